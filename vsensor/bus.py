@@ -1,0 +1,135 @@
+"""Zenoh: sessions that stay on this machine unless told otherwise, and typed traffic over them."""
+
+import json
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import zenoh
+
+from vsensor.config import Bus
+from vsensor.errors import BusError
+from vsensor.messages import SURFACE, Message, Sample, message_type, surface
+
+INBOX_CAPACITY = 1 << 16
+"""Samples that may wait for a tick: 30 s of two channels at 1 kHz, past which the oldest are lost."""
+
+
+def open_session(bus: Bus, role: Literal["daemon", "client"]) -> zenoh.Session:
+    """Open a session: the daemon listens and routes among its clients; a client connects to it.
+
+    Use it in a `with`: a session left open keeps the process from ending. Raises BusError.
+    """
+    try:
+        return zenoh.open(_zenoh_config(bus, role))
+    except zenoh.ZError as error:
+        ends = ", ".join(bus.listen if role == "daemon" else bus.connect or bus.listen)
+        hint = "is the port taken?" if role == "daemon" else "is the daemon (vsensor run) up?"
+        raise BusError(f"no bus at {ends}: {hint} ({_brief(error)})") from error
+
+
+def _zenoh_config(bus: Bus, role: Literal["daemon", "client"]) -> zenoh.Config:
+    config = zenoh.Config.from_file(bus.zenoh_config) if bus.zenoh_config else zenoh.Config()
+    listen = list(bus.listen) if role == "daemon" else []
+    connect = list(bus.connect) if role == "daemon" else list(bus.connect or bus.listen)
+    settings: dict[str, object] = {
+        "mode": "router" if role == "daemon" else "client",
+        "listen/endpoints": listen,
+        "connect/endpoints": connect,
+        "scouting/multicast/enabled": bus.multicast_scouting,
+        "timestamping/enabled": True,
+    }
+    for key, value in settings.items():
+        config.insert_json5(key, json.dumps(value))
+    return config
+
+
+def _brief(error: zenoh.ZError) -> str:
+    return str(error).splitlines()[0].split(" at /")[0]
+
+
+@dataclass(frozen=True, slots=True)
+class Received:
+    """One surface sample as it came: decoded, or with what made it unreadable."""
+
+    topic: str
+    received_ns: int
+    sample: Sample | None
+    fault: str = ""
+
+
+class SurfaceInbox:
+    """The rig's surface channels in the order of arrival, drained without waiting."""
+
+    def __init__(self, session: zenoh.Session, prefix: str) -> None:
+        self._skip = len(prefix) + 1
+        self._subscriber = session.declare_subscriber(
+            f"{prefix}/{SURFACE}", zenoh.handlers.RingChannel(INBOX_CAPACITY)
+        )
+
+    def drain(self) -> Iterator[Received]:
+        """Yield what has come since the last call; never waits."""
+        while (raw := self._subscriber.try_recv()) is not None:
+            topic = str(raw.key_expr)[self._skip :]
+            received_ns = time.time_ns()
+            try:
+                sample = surface.decode(raw.payload.to_bytes(), str(raw.encoding), _time_ns(raw.timestamp))
+            except ValueError as error:
+                yield Received(topic, received_ns, None, str(error))
+            else:
+                yield Received(topic, received_ns, sample)
+
+
+class Feed:
+    """What a viewer listens to: every message we know below a rig's prefix, newest kept."""
+
+    def __init__(self, session: zenoh.Session, prefix: str, capacity: int = INBOX_CAPACITY) -> None:
+        self._skip = len(prefix) + 1
+        self._subscriber = session.declare_subscriber(f"{prefix}/**", zenoh.handlers.RingChannel(capacity))
+
+    def drain(self) -> Iterator[tuple[str, Message]]:
+        """Yield (topic, message) of what has come since the last call; what is unreadable is passed over."""
+        while (raw := self._subscriber.try_recv()) is not None:
+            topic = str(raw.key_expr)[self._skip :]
+            kind = message_type(topic)
+            if kind is None or str(raw.encoding) != surface.PROTOBUF:
+                continue
+            try:
+                yield topic, kind.FromString(raw.payload.to_bytes())
+            except Exception:  # noqa: S112 -- protobuf's own error type differs by backend
+                continue
+
+
+class Outbox:
+    """Publishers below a rig's prefix, each declared at its first message.
+
+    `reliable` waits where the network is slow (a rig or replay, which must not lose a sample);
+    without it a message that cannot be sent is dropped (the daemon, which must not wait).
+    """
+
+    def __init__(self, session: zenoh.Session, prefix: str, *, reliable: bool) -> None:
+        self._session = session
+        self._prefix = prefix
+        self._congestion = zenoh.CongestionControl.BLOCK if reliable else zenoh.CongestionControl.DROP
+        self._publishers: dict[str, zenoh.Publisher] = {}
+
+    def put(self, topic: str, message: Message) -> bytes:
+        """Publish a message; returns its bytes, which the recorder stores as they went out."""
+        data = message.SerializeToString()
+        self._publisher(topic).put(data)
+        return data
+
+    def _publisher(self, topic: str) -> zenoh.Publisher:
+        if topic not in self._publishers:
+            self._publishers[topic] = self._session.declare_publisher(
+                f"{self._prefix}/{topic}",
+                encoding=surface.PROTOBUF,
+                congestion_control=self._congestion,
+                express=True,
+            )
+        return self._publishers[topic]
+
+
+def _time_ns(timestamp: zenoh.Timestamp | None) -> int | None:
+    return None if timestamp is None else timestamp.get_time_as_ntp64().as_nanos()

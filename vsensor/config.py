@@ -1,0 +1,212 @@
+"""The rig as frozen, validated values in SI, read from a TOML file with units."""
+
+import tomllib
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+
+from vsensor.errors import ConfigError
+from vsensor.units import to_si
+
+
+def _quantity(unit: str) -> BeforeValidator:
+    return BeforeValidator(lambda value: to_si(value, unit))
+
+
+Length = Annotated[float, _quantity("m"), Field(gt=0)]
+Modulus = Annotated[float, _quantity("Pa"), Field(gt=0)]
+Density = Annotated[float, _quantity("kg/m^3"), Field(gt=0)]
+Inertia = Annotated[float, _quantity("kg*m^2"), Field(ge=0)]
+Torque = Annotated[float, _quantity("N*m"), Field(ge=0)]
+AngularSpeed = Annotated[float, _quantity("rad/s"), Field(gt=0)]
+ViscousFriction = Annotated[float, _quantity("N*m*s/rad"), Field(ge=0)]
+ViscousFrictionPerLength = Annotated[float, _quantity("N*m*s/rad/m"), Field(ge=0)]
+TorquePerLength = Annotated[float, _quantity("N*m/m"), Field(ge=0)]
+Time = Annotated[float, _quantity("s"), Field(ge=0)]
+PositiveTime = Annotated[float, _quantity("s"), Field(gt=0)]
+Frequency = Annotated[float, _quantity("Hz"), Field(gt=0)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Component(_Table):
+    """One part of the string, of constant cross section: drill pipe, collar, stabiliser."""
+
+    name: str = Field(default="pipe", min_length=1)
+    length: Length
+    outer_diameter: Length
+    inner_diameter: Annotated[float, _quantity("m"), Field(ge=0)]
+    shear_modulus: Modulus = 79.3e9
+    density: Density = 7850.0
+    viscous_friction: ViscousFrictionPerLength = 0.0
+    coulomb_friction: TorquePerLength = 0.0
+    static_friction: TorquePerLength = 0.0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _static_as_kinetic(cls, data: object) -> object:
+        if isinstance(data, dict) and "static_friction" not in data and "coulomb_friction" in data:
+            return data | {"static_friction": data["coulomb_friction"]}
+        return data
+
+    @model_validator(mode="after")
+    def _is_a_pipe(self) -> Self:
+        if self.inner_diameter >= self.outer_diameter:
+            raise ValueError(
+                f"inner_diameter {self.inner_diameter:g} m must be smaller than "
+                f"outer_diameter {self.outer_diameter:g} m"
+            )
+        if self.static_friction < self.coulomb_friction:
+            raise ValueError(
+                f"static_friction {self.static_friction:g} N·m/m must be at least "
+                f"coulomb_friction (kinetic) {self.coulomb_friction:g} N·m/m"
+            )
+        return self
+
+
+class TopDrive(_Table):
+    """The motor and gear that turn the string."""
+
+    inertia: Inertia = 0.0
+    gear_ratio: float = Field(default=1.0, gt=0)
+    efficiency: float = Field(default=1.0, gt=0, le=1)
+    torque_lag: Time = 0.0
+
+
+class Bit(_Table):
+    """The bit's inertia and a first guess of the load law between bit and rock."""
+
+    inertia: Inertia = 0.0
+    viscous_friction: ViscousFriction = 0.0
+    kinetic_torque: Torque = 0.0
+    static_torque: Torque = 0.0
+    stribeck_speed: AngularSpeed = 1.0
+
+    @model_validator(mode="after")
+    def _static_holds_more(self) -> Self:
+        if self.static_torque < self.kinetic_torque:
+            raise ValueError(
+                f"static_torque {self.static_torque:g} N·m must be at least "
+                f"kinetic_torque {self.kinetic_torque:g} N·m"
+            )
+        return self
+
+
+class Measurement(_Table):
+    """How well the surface channels measure, and which samples are beyond belief."""
+
+    torque_noise: Torque = 80.0
+    speed_noise: Annotated[float, _quantity("rad/s"), Field(ge=0)] = 0.015
+    torque_limit: Annotated[float, _quantity("N*m"), Field(gt=0)] = 200e3
+    speed_limit: AngularSpeed = 60.0
+    max_gap: PositiveTime = 0.25
+    restart_gap: PositiveTime = 2.0
+
+    @model_validator(mode="after")
+    def _gaps_in_order(self) -> Self:
+        if self.restart_gap <= self.max_gap:
+            raise ValueError(f"restart_gap {self.restart_gap:g} s must exceed max_gap {self.max_gap:g} s")
+        return self
+
+
+class EstimatorSettings(_Table):
+    """What is traded: bandwidth against noise and lag, section length against work."""
+
+    bandwidth: Frequency = 3.0
+    section_length: Length = 150.0
+    severity_window: PositiveTime = 20.0
+
+
+class Loop(_Table):
+    """The fixed-step loop."""
+
+    rate: Annotated[float, _quantity("Hz"), Field(ge=1, le=5000)] = 100.0
+
+
+class Bus(_Table):
+    """How the daemon and its clients find one another over Zenoh."""
+
+    prefix: str = Field(default="rigs/{rig}", pattern=r"^[^/*$#?\s](?:[^*$#?\s]*[^/*$#?\s])?$")
+    listen: tuple[str, ...] = ("tcp/127.0.0.1:7447",)
+    connect: tuple[str, ...] = ()
+    multicast_scouting: bool = False
+    zenoh_config: Path | None = None
+
+
+class Recording(_Table):
+    """Whether and where sessions are written."""
+
+    enabled: bool = True
+    folder: Path = Path("recordings")
+    compression: Literal["zstd", "lz4", "none"] = "zstd"
+
+
+class View(_Table):
+    """How the live view shows the rig."""
+
+    history: PositiveTime = 60.0
+
+
+class Rig(_Table):
+    """A whole configuration. Lengths in m, torques in N·m, speeds in rad/s, times in s."""
+
+    class Name(_Table):
+        """Which rig this is; part of every key on the bus."""
+
+        name: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")
+
+    rig: Name
+    string: tuple[Component, ...] = Field(min_length=1)
+    top_drive: TopDrive = TopDrive()
+    bit: Bit = Bit()
+    measurement: Measurement = Measurement()
+    estimator: EstimatorSettings = EstimatorSettings()
+    loop: Loop = Loop()
+    bus: Bus = Bus()
+    recording: Recording = Recording()
+    view: View = View()
+
+    @property
+    def prefix(self) -> str:
+        """The start of every key on the bus."""
+        return self.bus.prefix.replace("{rig}", self.rig.name)
+
+
+def load(path: Path) -> Rig:
+    """Read a configuration file; ConfigError tells every fault of it at once, each with its path."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path}: cannot be read as a text file: {error}") from error
+    return loads(text, str(path))
+
+
+def loads(text: str, source: str) -> Rig:
+    """Read a configuration from text; `source` names it in errors."""
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{source}: not valid TOML: {error}") from error
+    try:
+        return Rig.model_validate(data)
+    except ValidationError as error:
+        raise ConfigError(_every_fault(error, source)) from error
+
+
+def _every_fault(error: ValidationError, source: str) -> str:
+    faults = [_fault(tuple(e["loc"]), e["type"], e["msg"], e["input"]) for e in error.errors()]
+    count = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
+    return "\n".join([f"{source}: {count}", *(f"  {fault}" for fault in faults)])
+
+
+def _fault(location: tuple[int | str, ...], kind: str, message: str, given: object) -> str:
+    path = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in location).lstrip(".")
+    if kind == "missing":
+        return f"{path}: is missing"
+    if kind == "extra_forbidden":
+        return f"{path}: no such key"
+    said = message.removeprefix("Value error, ")
+    return f"{path}: {said}" if kind == "value_error" else f"{path} = {given!r}: {said}"

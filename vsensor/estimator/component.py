@@ -1,0 +1,35 @@
+"""What a component of the string is to a torsional wave (physics of a uniform shaft)."""
+
+import math
+
+from vsensor.config import Component
+
+
+def polar_moment(part: Component) -> float:
+    """Second polar moment of the cross section, J = π/2 (ro⁴ − ri⁴), in m⁴."""
+    return math.pi / 32 * (part.outer_diameter**4 - part.inner_diameter**4)
+
+
+def wave_speed(part: Component) -> float:
+    """Speed of a torsional wave, c = √(G/ρ), in m/s."""
+    return math.sqrt(part.shear_modulus / part.density)
+
+
+def impedance(part: Component) -> float:
+    """Torsional impedance ζ = J √(ρG) in N·m·s/rad: torque over speed in a travelling wave (the paper's ξ)."""
+    return polar_moment(part) * math.sqrt(part.density * part.shear_modulus)
+
+
+def delay(part: Component) -> float:
+    """One-way travel time θ = L/c, in s."""
+    return part.length / wave_speed(part)
+
+
+def inertia(part: Component) -> float:
+    """Whole moment of inertia ρJL about the axis, in kg·m²."""
+    return part.density * polar_moment(part) * part.length
+
+
+def stiffness(part: Component) -> float:
+    """Static torsional stiffness GJ/L, in N·m/rad."""
+    return part.shear_modulus * polar_moment(part) / part.length

@@ -1,0 +1,45 @@
+"""Surface samples as rigs send them: protobuf, JSON or a bare number, by the stated encoding."""
+
+from google.protobuf import json_format
+from google.protobuf.message import DecodeError
+
+from vsensor.messages.vsensor_pb2 import Sample
+
+PROTOBUF = "application/protobuf"
+JSON = "application/json"
+TEXT = "text/plain"
+
+MAX_BYTES = 4096
+"""A sample takes some fifty bytes; whatever is far larger is none."""
+
+
+def decode(payload: bytes, encoding: str, arrival_time_ns: int | None) -> Sample:
+    """Read one surface sample.
+
+    `arrival_time_ns` (Zenoh's timestamp, Unix) stands in where the sample bears no time of its
+    own. Raises ValueError with what was wrong and what would be right.
+    """
+    if len(payload) > MAX_BYTES:
+        raise ValueError(f"{len(payload)} bytes: a sample takes at most {MAX_BYTES}")
+    sample = _by_encoding(payload, encoding.partition(";")[0])
+    if not sample.HasField("value"):
+        raise ValueError("has no value")
+    if not sample.HasField("time_ns"):
+        if arrival_time_ns is None:
+            raise ValueError("has no time_ns, and the bus gave it no timestamp")
+        sample.time_ns = arrival_time_ns
+    return sample
+
+
+def _by_encoding(payload: bytes, encoding: str) -> Sample:
+    try:
+        match encoding:
+            case "application/protobuf":
+                return Sample.FromString(payload)
+            case "application/json":
+                return json_format.Parse(payload, Sample())
+            case "text/plain":
+                return Sample(value=float(payload))
+    except (DecodeError, json_format.ParseError, ValueError, RecursionError) as error:
+        raise ValueError(f"is not valid {encoding}: {error}") from error
+    raise ValueError(f"encoding {encoding!r} is none of {PROTOBUF}, {JSON}, {TEXT}")

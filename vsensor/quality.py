@@ -1,0 +1,47 @@
+"""How far a number can be trusted, and why not further: the words that all rooms share."""
+
+from enum import IntEnum, IntFlag
+
+
+class Quality(IntEnum):
+    """The verdict on a number, as OPC UA and the drilling data standards grade it."""
+
+    GOOD = 1
+    UNCERTAIN = 2
+    BAD = 3
+
+
+class Reason(IntFlag):
+    """Why a number is not good; a set of flags, its values fixed by recorded sessions."""
+
+    WARMING_UP = 1 << 0
+    """The delay lines are not filled yet: the waves that make the answer have not all been seen."""
+    GAP_BRIDGED = 1 << 1
+    """Samples were missing; the gap was bridged by a straight line."""
+    STALE_TORQUE = 1 << 2
+    """The torque channel is silent; its last value was held."""
+    STALE_SPEED = 1 << 3
+    """The speed channel is silent; its last value was held."""
+    SOURCE_UNCERTAIN = 1 << 4
+    """The source itself called a sample less than good."""
+    NO_LOAD_LAW = 1 << 5
+    """The answer leans on a load law that is a first guess and has not been scored yet."""
+    BEYOND_HORIZON = 1 << 6
+    """The string is so short that the answer reaches past what has left the surface."""
+    CAUGHT_UP = 1 << 7
+    """The tick was run late, after the loop had missed its slot."""
+
+    def words(self) -> str:
+        """The flags in plain words, comma separated; empty for none."""
+        return ", ".join(flag.name.lower().replace("_", " ") for flag in self if flag.name)
+
+
+_BAD = Reason.WARMING_UP | Reason.STALE_TORQUE | Reason.STALE_SPEED
+_HARMLESS = Reason.CAUGHT_UP
+
+
+def verdict(reasons: Reason) -> Quality:
+    """Grade a set of reasons: bad where a number must not be used, uncertain where with care."""
+    if reasons & _BAD:
+        return Quality.BAD
+    return Quality.UNCERTAIN if reasons & ~_HARMLESS else Quality.GOOD
