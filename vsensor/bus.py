@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -10,7 +10,7 @@ import zenoh
 
 from vsensor.config import Bus
 from vsensor.errors import BusError
-from vsensor.messages import SURFACE, Message, Sample, message_type, surface
+from vsensor.messages import SENSOR_ALIVE, SURFACE, Message, Sample, message_type, surface
 
 INBOX_CAPACITY = 1 << 16
 """Samples that may wait for a tick: 30 s of two channels at 1 kHz, past which the oldest are lost."""
@@ -62,8 +62,9 @@ class Received:
 class SurfaceInbox:
     """The rig's surface channels in the order of arrival, drained without waiting."""
 
-    def __init__(self, session: zenoh.Session, prefix: str) -> None:
+    def __init__(self, session: zenoh.Session, prefix: str, topics: Collection[str]) -> None:
         self._skip = len(prefix) + 1
+        self._topics = topics
         self._subscriber = session.declare_subscriber(
             f"{prefix}/{SURFACE}", zenoh.handlers.RingChannel(INBOX_CAPACITY)
         )
@@ -72,6 +73,8 @@ class SurfaceInbox:
         """Yield what has come since the last call; never waits."""
         while (raw := self._subscriber.try_recv()) is not None:
             topic = str(raw.key_expr)[self._skip :]
+            if topic not in self._topics:
+                continue
             received_ns = time.time_ns()
             try:
                 sample = surface.decode(raw.payload.to_bytes(), str(raw.encoding), _time_ns(raw.timestamp))
@@ -133,3 +136,14 @@ class Outbox:
 
 def _time_ns(timestamp: zenoh.Timestamp | None) -> int | None:
     return None if timestamp is None else timestamp.get_time_as_ntp64().as_nanos()
+
+
+def wait_for_sensor(session: zenoh.Session, prefix: str, timeout_s: float = 10.0) -> bool:
+    """Wait until a daemon says that it listens below this prefix; False when none does in time."""
+    deadline = time.monotonic() + timeout_s
+    while time.monotonic() < deadline:
+        for reply in session.liveliness().get(f"{prefix}/{SENSOR_ALIVE}", timeout=1.0):
+            if reply.ok is not None:
+                return True
+        time.sleep(0.1)
+    return False

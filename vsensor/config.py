@@ -4,9 +4,11 @@ import tomllib
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
+import tomli_w
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from vsensor.errors import ConfigError
+from vsensor.faults import every_fault
 from vsensor.units import to_si
 
 
@@ -15,6 +17,7 @@ def _quantity(unit: str) -> BeforeValidator:
 
 
 Length = Annotated[float, _quantity("m"), Field(gt=0)]
+Bore = Annotated[float, _quantity("m"), Field(ge=0)]
 Modulus = Annotated[float, _quantity("Pa"), Field(gt=0)]
 Density = Annotated[float, _quantity("kg/m^3"), Field(gt=0)]
 Inertia = Annotated[float, _quantity("kg*m^2"), Field(ge=0)]
@@ -25,7 +28,11 @@ ViscousFrictionPerLength = Annotated[float, _quantity("N*m*s/rad/m"), Field(ge=0
 TorquePerLength = Annotated[float, _quantity("N*m/m"), Field(ge=0)]
 Time = Annotated[float, _quantity("s"), Field(ge=0)]
 PositiveTime = Annotated[float, _quantity("s"), Field(gt=0)]
-Frequency = Annotated[float, _quantity("Hz"), Field(gt=0)]
+Bandwidth = Annotated[float, _quantity("Hz"), Field(ge=0.05)]
+Rate = Annotated[float, _quantity("Hz"), Field(ge=1, le=5000)]
+Endpoint = Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]*/\S+$")]
+Switch = Annotated[bool, Field(strict=True)]
+Ratio = Annotated[float, Field(gt=0, strict=True, allow_inf_nan=False)]
 
 
 class _Table(BaseModel):
@@ -36,21 +43,14 @@ class Component(_Table):
     """One part of the string, of constant cross section: drill pipe, collar, stabiliser."""
 
     name: str = Field(default="pipe", min_length=1)
-    length: Length
-    outer_diameter: Length
-    inner_diameter: Annotated[float, _quantity("m"), Field(ge=0)]
+    length: Length = Field(description='a length such as "1502.54 m"')
+    outer_diameter: Length = Field(description='a diameter such as "5 in"')
+    inner_diameter: Bore = Field(description='a diameter such as "108.6 mm", or 0 for a solid bar')
     shear_modulus: Modulus = 79.3e9
     density: Density = 7850.0
     viscous_friction: ViscousFrictionPerLength = 0.0
     coulomb_friction: TorquePerLength = 0.0
-    static_friction: TorquePerLength = 0.0
-
-    @model_validator(mode="before")
-    @classmethod
-    def _static_as_kinetic(cls, data: object) -> object:
-        if isinstance(data, dict) and "static_friction" not in data and "coulomb_friction" in data:
-            return data | {"static_friction": data["coulomb_friction"]}
-        return data
+    static_friction: TorquePerLength = Field(default_factory=lambda given: given["coulomb_friction"])
 
     @model_validator(mode="after")
     def _is_a_pipe(self) -> Self:
@@ -71,8 +71,8 @@ class TopDrive(_Table):
     """The motor and gear that turn the string."""
 
     inertia: Inertia = 0.0
-    gear_ratio: float = Field(default=1.0, gt=0)
-    efficiency: float = Field(default=1.0, gt=0, le=1)
+    gear_ratio: Ratio = Field(default=1.0, description="motor turns for one turn of the string, such as 8.5")
+    efficiency: Ratio = Field(default=1.0, le=1, description="a number up to 1, such as 0.95")
     torque_lag: Time = 0.0
 
 
@@ -82,7 +82,7 @@ class Bit(_Table):
     inertia: Inertia = 0.0
     viscous_friction: ViscousFriction = 0.0
     kinetic_torque: Torque = 0.0
-    static_torque: Torque = 0.0
+    static_torque: Torque = Field(default_factory=lambda given: given["kinetic_torque"])
     stribeck_speed: AngularSpeed = 1.0
 
     @model_validator(mode="after")
@@ -115,31 +115,38 @@ class Measurement(_Table):
 class EstimatorSettings(_Table):
     """What is traded: bandwidth against noise and lag, section length against work."""
 
-    bandwidth: Frequency = 3.0
-    section_length: Length = 150.0
+    bandwidth: Bandwidth = Field(default=3.0, description='a frequency from 0.05 Hz, such as "3 Hz"')
+    section_length: Length = 300.0
     severity_window: PositiveTime = 20.0
 
 
 class Loop(_Table):
     """The fixed-step loop."""
 
-    rate: Annotated[float, _quantity("Hz"), Field(ge=1, le=5000)] = 100.0
+    rate: Rate = Field(default=100.0, description='a rate from "1 Hz" to "5 kHz"')
+
+
+_ENDPOINTS = 'endpoints such as ["tcp/127.0.0.1:7447"]'
 
 
 class Bus(_Table):
     """How the daemon and its clients find one another over Zenoh."""
 
-    prefix: str = Field(default="rigs/{rig}", pattern=r"^[^/*$#?\s](?:[^*$#?\s]*[^/*$#?\s])?$")
-    listen: tuple[str, ...] = ("tcp/127.0.0.1:7447",)
-    connect: tuple[str, ...] = ()
-    multicast_scouting: bool = False
+    prefix: str = Field(
+        default="rigs/{rig}",
+        pattern=r"^[^/*$#?@\s][^/*$#?\s]*(?:/[^/*$#?@\s][^/*$#?\s]*)*$",
+        description='words parted by single "/", without spaces or any of * $ # ?, such as "rigs/{rig}"',
+    )
+    listen: tuple[Endpoint, ...] = Field(default=("tcp/127.0.0.1:7447",), description=_ENDPOINTS)
+    connect: tuple[Endpoint, ...] = Field(default=(), description=_ENDPOINTS)
+    multicast_scouting: Switch = False
     zenoh_config: Path | None = None
 
 
 class Recording(_Table):
     """Whether and where sessions are written."""
 
-    enabled: bool = True
+    enabled: Switch = True
     folder: Path = Path("recordings")
     compression: Literal["zstd", "lz4", "none"] = "zstd"
 
@@ -156,10 +163,16 @@ class Rig(_Table):
     class Name(_Table):
         """Which rig this is; part of every key on the bus."""
 
-        name: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")
+        name: str = Field(
+            pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$",
+            max_length=64,
+            description='letters, digits and . _ - between them, such as "well-b"',
+        )
 
-    rig: Name
-    string: tuple[Component, ...] = Field(min_length=1)
+    rig: Name = Field(description='[rig] with a name, such as name = "well-b"')
+    string: tuple[Component, ...] = Field(
+        min_length=1, description="one [[string]] table for each component, from the top drive down"
+    )
     top_drive: TopDrive = TopDrive()
     bit: Bit = Bit()
     measurement: Measurement = Measurement()
@@ -168,6 +181,15 @@ class Rig(_Table):
     bus: Bus = Bus()
     recording: Recording = Recording()
     view: View = View()
+
+    @model_validator(mode="after")
+    def _bandwidth_below_nyquist(self) -> Self:
+        if self.estimator.bandwidth >= self.loop.rate / 2:
+            raise ValueError(
+                f"estimator.bandwidth {self.estimator.bandwidth:g} Hz must be below half of "
+                f"loop.rate {self.loop.rate:g} Hz"
+            )
+        return self
 
     @property
     def prefix(self) -> str:
@@ -178,7 +200,7 @@ class Rig(_Table):
 def load(path: Path) -> Rig:
     """Read a configuration file; ConfigError tells every fault of it at once, each with its path."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise ConfigError(f"{path}: cannot be read as a text file: {error}") from error
     return loads(text, str(path))
@@ -188,25 +210,17 @@ def loads(text: str, source: str) -> Rig:
     """Read a configuration from text; `source` names it in errors."""
     try:
         data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:
         raise ConfigError(f"{source}: not valid TOML: {error}") from error
     try:
         return Rig.model_validate(data)
     except ValidationError as error:
-        raise ConfigError(_every_fault(error, source)) from error
+        raise ConfigError(every_fault(error, data, Rig, source)) from error
 
 
-def _every_fault(error: ValidationError, source: str) -> str:
-    faults = [_fault(tuple(e["loc"]), e["type"], e["msg"], e["input"]) for e in error.errors()]
-    count = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
-    return "\n".join([f"{source}: {count}", *(f"  {fault}" for fault in faults)])
+def effective_toml(rig: Rig) -> str:
+    """The whole configuration as TOML, defaults filled in, numbers in SI: reading it gives `rig` exactly.
 
-
-def _fault(location: tuple[int | str, ...], kind: str, message: str, given: object) -> str:
-    path = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in location).lstrip(".")
-    if kind == "missing":
-        return f"{path}: is missing"
-    if kind == "extra_forbidden":
-        return f"{path}: no such key"
-    said = message.removeprefix("Value error, ")
-    return f"{path}: {said}" if kind == "value_error" else f"{path} = {given!r}: {said}"
+    It goes into each session, so that what was computed can be computed again.
+    """
+    return tomli_w.dumps(rig.model_dump(mode="json", exclude_none=True))

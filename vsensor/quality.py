@@ -24,12 +24,8 @@ class Reason(IntFlag):
     """The speed channel is silent; its last value was held."""
     SOURCE_UNCERTAIN = 1 << 4
     """The source itself called a sample less than good."""
-    NO_LOAD_LAW = 1 << 5
-    """The answer leans on a load law that is a first guess and has not been scored yet."""
-    BEYOND_HORIZON = 1 << 6
+    BEYOND_HORIZON = 1 << 5
     """The string is so short that the answer reaches past what has left the surface."""
-    CAUGHT_UP = 1 << 7
-    """The tick was run late, after the loop had missed its slot."""
 
     def words(self) -> str:
         """The flags in plain words, comma separated; empty for none."""
@@ -37,11 +33,10 @@ class Reason(IntFlag):
 
 
 _BAD = Reason.WARMING_UP | Reason.STALE_TORQUE | Reason.STALE_SPEED
-_HARMLESS = Reason.CAUGHT_UP
 
 
 def verdict(reasons: Reason) -> Quality:
     """Grade a set of reasons: bad where a number must not be used, uncertain where with care."""
     if reasons & _BAD:
         return Quality.BAD
-    return Quality.UNCERTAIN if reasons & ~_HARMLESS else Quality.GOOD
+    return Quality.UNCERTAIN if reasons else Quality.GOOD

@@ -1,22 +1,41 @@
 """Quantities as people write them, and the SI values that the program computes with."""
 
 import math
+import re
 from functools import cache
 
 import pint
 
+# Pint on its own reads «9 5/8 in» as 9 · 5 / 8 in, «5″» as a bare 5 and «Nm» as a unit of yarn, each
+# without a word. So a quantity is one number and one plain product of units; nothing else reaches Pint.
+_QUANTITY = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(\D.*)?", re.DOTALL)
+_UNIT = re.compile(r"(?:[A-Za-zµμ_]+(?:(?:\^|\*\*)-?[0-9](?![0-9]))?|[*/()\s])+")
+_FRACTION = re.compile(r"([0-9]+\s+|)([0-9]{1,3})/([1-9][0-9]{0,2})\s*([^0-9]*)")
+
+# As typed on a rig, and as Pint calls it: raised figures, dots and hyphens between units, inch marks, «kNm».
+_RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+_SPELLINGS = (
+    (re.compile(r"[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+"), lambda found: "^" + found[0].translate(_RAISED)),
+    (re.compile(r"[·⋅×∙•]|(?<=[A-Za-z])[-.](?=[A-Za-z])"), lambda _: "*"),
+    (re.compile(r"°"), lambda _: "degree"),
+    (re.compile(r"[\"″]"), lambda _: "inch"),
+    (re.compile(r"\b([kM]?)Nm\b"), lambda found: f"{found[1]}N*m"),
+)
+
 # Pint holds an angle to be a pure number, so that a frequency and an angular speed would convert
 # into one another without the factor 2π. The two families are told apart by name.
-_FREQUENCY = ("hertz", "revolutions_per_second")
-_ANGULAR = ("radian", "revolution", "turn", "degree", "rpm")
+_FREQUENCY = ("hertz",)
+_ANGULAR = ("radian", "revolution", "turn", "degree")
 
 
 @cache
 def registry() -> "pint.UnitRegistry[float]":
     """The one registry of units, with the oilfield's own added."""
-    units: pint.UnitRegistry[float] = pint.UnitRegistry(cache_folder=":auto:")
+    units: pint.UnitRegistry[float] = pint.UnitRegistry()
     units.define("ftlbf = foot * pound_force = ft_lbf")
     units.define("kftlbf = 1000 * foot * pound_force = kft_lbf")
+    units.define("@alias revolution = rev")
+    units.define("@alias revolutions_per_minute = RPM")
     return units
 
 
@@ -27,7 +46,10 @@ def to_si(value: object, unit: str) -> float:
     """
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         raise ValueError(f'{value!r} is no quantity: write a number in {unit}, or text such as "1 {unit}"')
-    number = _parse(value, unit) if isinstance(value, str) else float(value)
+    try:
+        number = _parse(value.strip(), unit) if isinstance(value, str) else float(value)
+    except OverflowError:
+        number = math.inf
     if not math.isfinite(number):
         raise ValueError(f"{value!r} is not finite")
     return number
@@ -45,17 +67,45 @@ def factor(unit: str, other: str) -> float:
 
 
 def _parse(text: str, unit: str) -> float:
-    units = registry()
-    try:
-        quantity = units.Quantity(text)
-    except Exception as error:  # pint raises whatever its tokenizer meets; all mean «not a quantity»
-        raise ValueError(f'{text!r} is no quantity: write for example "1 {unit}"') from error
-    if quantity.unitless and "rad" not in text:
-        return float(quantity.magnitude)
-    target = units.Unit(unit)
-    if quantity.dimensionality != target.dimensionality or _mixes_turns(str(quantity.units), str(target)):
+    _refuse_ambiguous(text)
+    found = _QUANTITY.fullmatch(text)
+    if not found:
+        raise ValueError(f'{text!r} is no quantity: write for example "1 {unit}"')
+    number = float(found[1])
+    if not found[2]:
+        return number
+    target = registry().Unit(_plain(unit))
+    given = _unit(found[2], text, unit)
+    if given.dimensionality != target.dimensionality or _mixes_turns(str(given), str(target)):
         raise ValueError(f'{text!r} does not measure in {unit}: write for example "1 {unit}"')
-    return float(quantity.to(target).magnitude)
+    return float(registry().Quantity(number, given).to(target).magnitude)
+
+
+def _refuse_ambiguous(text: str) -> None:
+    if "," in text:
+        raise ValueError(f"{text!r}: a comma may part thousands or decimals: write a point or nothing")
+    if fraction := _FRACTION.fullmatch(text):
+        whole, over, under, unit = fraction.groups()
+        decimal = int(whole or 0) + int(over) / int(under)
+        raise ValueError(f'{text!r}: fractions are not read: write "{decimal:.7g} {_plain(unit)}"')
+
+
+def _unit(written: str, text: str, unit: str) -> "pint.Unit":
+    plain = _plain(written)
+    try:
+        if not _UNIT.fullmatch(plain):
+            raise ValueError(plain)
+        return registry().Unit(plain)
+    except Exception as error:  # pint raises whatever its tokenizer meets; all mean «not a unit»
+        raise ValueError(
+            f'{text!r}: {written.strip()!r} is no unit known here: write for example "1 {unit}"'
+        ) from error
+
+
+def _plain(unit: str) -> str:
+    for written, meant in _SPELLINGS:
+        unit = written.sub(meant, unit)
+    return unit
 
 
 def _mixes_turns(one: str, other: str) -> bool:

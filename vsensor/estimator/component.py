@@ -16,7 +16,7 @@ def wave_speed(part: Component) -> float:
 
 
 def impedance(part: Component) -> float:
-    """Torsional impedance ζ = J √(ρG) in N·m·s/rad: torque over speed in a travelling wave (the paper's ξ)."""
+    """Torsional impedance ζ = J √(ρG) in N·m·s/rad: torque over speed in a wave (the paper's ξ)."""
     return polar_moment(part) * math.sqrt(part.density * part.shear_modulus)
 
 

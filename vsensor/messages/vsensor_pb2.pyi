@@ -118,7 +118,7 @@ class Tick(_message.Message):
     REASONS_FIELD_NUMBER: _builtins.int
     SLOT_FIELD_NUMBER: _builtins.int
     LATENESS_NS_FIELD_NUMBER: _builtins.int
-    INPUT_AGE_NS_FIELD_NUMBER: _builtins.int
+    CAUGHT_UP_FIELD_NUMBER: _builtins.int
     number: _builtins.int
     """since the estimator's last start"""
     time_ns: _builtins.int
@@ -131,8 +131,8 @@ class Tick(_message.Message):
     """of the loop's clock; several ticks share one after a pause"""
     lateness_ns: _builtins.int
     """wake-up after the slot's deadline"""
-    input_age_ns: _builtins.int
-    """receipt of the newest sample to this tick, our monotonic clock"""
+    caught_up: _builtins.bool
+    """run late, in the slot after some that the loop had to skip"""
     def __init__(
         self,
         *,
@@ -143,14 +143,14 @@ class Tick(_message.Message):
         reasons: _builtins.int | None = ...,
         slot: _builtins.int | None = ...,
         lateness_ns: _builtins.int | None = ...,
-        input_age_ns: _builtins.int | None = ...,
+        caught_up: _builtins.bool | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_input_age_ns", b"_input_age_ns", "_lateness_ns", b"_lateness_ns", "_motor_speed_rad_s", b"_motor_speed_rad_s", "_motor_torque_nm", b"_motor_torque_nm", "_number", b"_number", "_reasons", b"_reasons", "_slot", b"_slot", "_time_ns", b"_time_ns", "input_age_ns", b"input_age_ns", "lateness_ns", b"lateness_ns", "motor_speed_rad_s", b"motor_speed_rad_s", "motor_torque_nm", b"motor_torque_nm", "number", b"number", "reasons", b"reasons", "slot", b"slot", "time_ns", b"time_ns"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_caught_up", b"_caught_up", "_lateness_ns", b"_lateness_ns", "_motor_speed_rad_s", b"_motor_speed_rad_s", "_motor_torque_nm", b"_motor_torque_nm", "_number", b"_number", "_reasons", b"_reasons", "_slot", b"_slot", "_time_ns", b"_time_ns", "caught_up", b"caught_up", "lateness_ns", b"lateness_ns", "motor_speed_rad_s", b"motor_speed_rad_s", "motor_torque_nm", b"motor_torque_nm", "number", b"number", "reasons", b"reasons", "slot", b"slot", "time_ns", b"time_ns"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_input_age_ns", b"_input_age_ns", "_lateness_ns", b"_lateness_ns", "_motor_speed_rad_s", b"_motor_speed_rad_s", "_motor_torque_nm", b"_motor_torque_nm", "_number", b"_number", "_reasons", b"_reasons", "_slot", b"_slot", "_time_ns", b"_time_ns", "input_age_ns", b"input_age_ns", "lateness_ns", b"lateness_ns", "motor_speed_rad_s", b"motor_speed_rad_s", "motor_torque_nm", b"motor_torque_nm", "number", b"number", "reasons", b"reasons", "slot", b"slot", "time_ns", b"time_ns"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_caught_up", b"_caught_up", "_lateness_ns", b"_lateness_ns", "_motor_speed_rad_s", b"_motor_speed_rad_s", "_motor_torque_nm", b"_motor_torque_nm", "_number", b"_number", "_reasons", b"_reasons", "_slot", b"_slot", "_time_ns", b"_time_ns", "caught_up", b"caught_up", "lateness_ns", b"lateness_ns", "motor_speed_rad_s", b"motor_speed_rad_s", "motor_torque_nm", b"motor_torque_nm", "number", b"number", "reasons", b"reasons", "slot", b"slot", "time_ns", b"time_ns"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
-    _WhichOneofReturnType__input_age_ns: _TypeAlias = _typing.Literal["input_age_ns"]  # noqa: Y015
-    _WhichOneofArgType__input_age_ns: _TypeAlias = _typing.Literal["_input_age_ns", b"_input_age_ns"]  # noqa: Y015
+    _WhichOneofReturnType__caught_up: _TypeAlias = _typing.Literal["caught_up"]  # noqa: Y015
+    _WhichOneofArgType__caught_up: _TypeAlias = _typing.Literal["_caught_up", b"_caught_up"]  # noqa: Y015
     _WhichOneofReturnType__lateness_ns: _TypeAlias = _typing.Literal["lateness_ns"]  # noqa: Y015
     _WhichOneofArgType__lateness_ns: _TypeAlias = _typing.Literal["_lateness_ns", b"_lateness_ns"]  # noqa: Y015
     _WhichOneofReturnType__motor_speed_rad_s: _TypeAlias = _typing.Literal["motor_speed_rad_s"]  # noqa: Y015
@@ -166,7 +166,7 @@ class Tick(_message.Message):
     _WhichOneofReturnType__time_ns: _TypeAlias = _typing.Literal["time_ns"]  # noqa: Y015
     _WhichOneofArgType__time_ns: _TypeAlias = _typing.Literal["_time_ns", b"_time_ns"]  # noqa: Y015
     @_typing.overload
-    def WhichOneof(self, oneof_group: _WhichOneofArgType__input_age_ns) -> _WhichOneofReturnType__input_age_ns | None: ...
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__caught_up) -> _WhichOneofReturnType__caught_up | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__lateness_ns) -> _WhichOneofReturnType__lateness_ns | None: ...
     @_typing.overload
@@ -343,6 +343,7 @@ class ChannelStatus(_message.Message):
     DOUBLED_FIELD_NUMBER: _builtins.int
     LATE_FIELD_NUMBER: _builtins.int
     JUMPED_FIELD_NUMBER: _builtins.int
+    BAD_AT_SOURCE_FIELD_NUMBER: _builtins.int
     AGE_S_FIELD_NUMBER: _builtins.int
     channel: _builtins.str
     received: _builtins.int
@@ -356,6 +357,8 @@ class ChannelStatus(_message.Message):
     late: _builtins.int
     jumped: _builtins.int
     """a time too far from its neighbours'"""
+    bad_at_source: _builtins.int
+    """called bad by the source itself"""
     age_s: _builtins.float
     """since the last accepted sample, our monotonic clock"""
     def __init__(
@@ -371,16 +374,19 @@ class ChannelStatus(_message.Message):
         doubled: _builtins.int | None = ...,
         late: _builtins.int | None = ...,
         jumped: _builtins.int | None = ...,
+        bad_at_source: _builtins.int | None = ...,
         age_s: _builtins.float | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_accepted", b"_accepted", "_age_s", b"_age_s", "_channel", b"_channel", "_doubled", b"_doubled", "_jumped", b"_jumped", "_late", b"_late", "_lost", b"_lost", "_not_finite", b"_not_finite", "_out_of_range", b"_out_of_range", "_received", b"_received", "_unreadable", b"_unreadable", "accepted", b"accepted", "age_s", b"age_s", "channel", b"channel", "doubled", b"doubled", "jumped", b"jumped", "late", b"late", "lost", b"lost", "not_finite", b"not_finite", "out_of_range", b"out_of_range", "received", b"received", "unreadable", b"unreadable"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_accepted", b"_accepted", "_age_s", b"_age_s", "_bad_at_source", b"_bad_at_source", "_channel", b"_channel", "_doubled", b"_doubled", "_jumped", b"_jumped", "_late", b"_late", "_lost", b"_lost", "_not_finite", b"_not_finite", "_out_of_range", b"_out_of_range", "_received", b"_received", "_unreadable", b"_unreadable", "accepted", b"accepted", "age_s", b"age_s", "bad_at_source", b"bad_at_source", "channel", b"channel", "doubled", b"doubled", "jumped", b"jumped", "late", b"late", "lost", b"lost", "not_finite", b"not_finite", "out_of_range", b"out_of_range", "received", b"received", "unreadable", b"unreadable"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_accepted", b"_accepted", "_age_s", b"_age_s", "_channel", b"_channel", "_doubled", b"_doubled", "_jumped", b"_jumped", "_late", b"_late", "_lost", b"_lost", "_not_finite", b"_not_finite", "_out_of_range", b"_out_of_range", "_received", b"_received", "_unreadable", b"_unreadable", "accepted", b"accepted", "age_s", b"age_s", "channel", b"channel", "doubled", b"doubled", "jumped", b"jumped", "late", b"late", "lost", b"lost", "not_finite", b"not_finite", "out_of_range", b"out_of_range", "received", b"received", "unreadable", b"unreadable"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_accepted", b"_accepted", "_age_s", b"_age_s", "_bad_at_source", b"_bad_at_source", "_channel", b"_channel", "_doubled", b"_doubled", "_jumped", b"_jumped", "_late", b"_late", "_lost", b"_lost", "_not_finite", b"_not_finite", "_out_of_range", b"_out_of_range", "_received", b"_received", "_unreadable", b"_unreadable", "accepted", b"accepted", "age_s", b"age_s", "bad_at_source", b"bad_at_source", "channel", b"channel", "doubled", b"doubled", "jumped", b"jumped", "late", b"late", "lost", b"lost", "not_finite", b"not_finite", "out_of_range", b"out_of_range", "received", b"received", "unreadable", b"unreadable"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__accepted: _TypeAlias = _typing.Literal["accepted"]  # noqa: Y015
     _WhichOneofArgType__accepted: _TypeAlias = _typing.Literal["_accepted", b"_accepted"]  # noqa: Y015
     _WhichOneofReturnType__age_s: _TypeAlias = _typing.Literal["age_s"]  # noqa: Y015
     _WhichOneofArgType__age_s: _TypeAlias = _typing.Literal["_age_s", b"_age_s"]  # noqa: Y015
+    _WhichOneofReturnType__bad_at_source: _TypeAlias = _typing.Literal["bad_at_source"]  # noqa: Y015
+    _WhichOneofArgType__bad_at_source: _TypeAlias = _typing.Literal["_bad_at_source", b"_bad_at_source"]  # noqa: Y015
     _WhichOneofReturnType__channel: _TypeAlias = _typing.Literal["channel"]  # noqa: Y015
     _WhichOneofArgType__channel: _TypeAlias = _typing.Literal["_channel", b"_channel"]  # noqa: Y015
     _WhichOneofReturnType__doubled: _TypeAlias = _typing.Literal["doubled"]  # noqa: Y015
@@ -403,6 +409,8 @@ class ChannelStatus(_message.Message):
     def WhichOneof(self, oneof_group: _WhichOneofArgType__accepted) -> _WhichOneofReturnType__accepted | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__age_s) -> _WhichOneofReturnType__age_s | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__bad_at_source) -> _WhichOneofReturnType__bad_at_source | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__channel) -> _WhichOneofReturnType__channel | None: ...
     @_typing.overload

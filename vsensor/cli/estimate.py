@@ -1,0 +1,99 @@
+"""`vsensor estimate`: the same estimator over a file, as fast as it goes."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+
+from vsensor.config import Rig, load, loads
+from vsensor.errors import ConfigError, InputError
+
+if TYPE_CHECKING:
+    from vsensor.messages import Sample
+
+
+def estimate(
+    source: Annotated[Path, typer.Argument(metavar="INPUT", help="Samples: .mcap, .csv or .parquet.")],
+    config: Annotated[
+        Path | None, typer.Argument(help="The rig; for a session, by default, the one recorded in it.")
+    ] = None,
+    *,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Estimates: .csv, .parquet or .mcap.")],
+) -> None:
+    """Estimate the bit from recorded surface samples."""
+    rig = _rig(source, config)
+    write = _to_session if output.suffix == ".mcap" else _to_table
+    ticks = write(rig, source, output)
+    if ticks == 0:
+        raise InputError(f"{source}: no tick came of it: both surface channels are needed, from one time on")
+    Console().print(f"{ticks} ticks estimated into {output}", soft_wrap=True, highlight=False)
+
+
+def _rig(source: Path, config: Path | None) -> Rig:
+    if config is not None:
+        return load(config)
+    if source.suffix != ".mcap":
+        raise ConfigError(
+            f"{source}: a table holds no configuration: name one, as in\n"
+            f"  vsensor estimate {source} RIG.toml -o OUTPUT"
+        )
+    from vsensor.recording.reader import Session
+
+    recorded = Session(source).configuration
+    if recorded is None:
+        raise ConfigError(f"{source}: holds no configuration: name one behind it")
+    return loads(recorded, f"{source}: recorded configuration")
+
+
+def _samples(source: Path) -> "Iterator[tuple[str, Sample]]":
+    from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Sample
+    from vsensor.offline import samples_of
+    from vsensor.recording.reader import Session
+    from vsensor.tables import read_surface
+
+    if source.suffix != ".mcap":
+        yield from samples_of(read_surface(source))
+        return
+    for topic, message, _, _ in Session(source).messages((SURFACE_TORQUE, SURFACE_SPEED)):
+        if isinstance(message, Sample):
+            yield topic, message
+
+
+def _to_table(rig: Rig, source: Path, output: Path) -> int:
+    import numpy as np
+
+    from vsensor.offline import Offline
+    from vsensor.tables import write_estimates
+
+    chunks = list(Offline(rig).estimates(_samples(source)))
+    if not chunks:
+        return 0
+    columns = {name: np.concatenate([chunk[name] for chunk in chunks]) for name in chunks[0]}
+    write_estimates(output, columns)
+    return len(columns["time_s"])
+
+
+def _to_session(rig: Rig, source: Path, output: Path) -> int:
+    from vsensor.config import effective_toml
+    from vsensor.messages import BIT_ESTIMATE, SENSOR_TICK
+    from vsensor.provenance import provenance
+    from vsensor.recording.writer import SessionWriter
+    from vsensor.service.engine import Engine
+
+    engine = Engine(rig)
+    ticks = 0
+    with SessionWriter(
+        output,
+        configuration=effective_toml(rig),
+        metadata=provenance(rig),
+        compression=rig.recording.compression,
+    ) as writer:
+        for topic, sample in _samples(source):
+            writer.write(topic, sample.SerializeToString(), sample.time_ns, sample.time_ns)
+            for tick, told in engine.take(topic, sample):
+                writer.write(SENSOR_TICK, tick.SerializeToString(), tick.time_ns, tick.time_ns)
+                writer.write(BIT_ESTIMATE, told.SerializeToString(), tick.time_ns, tick.time_ns)
+                ticks += 1
+    return ticks

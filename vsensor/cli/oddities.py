@@ -1,0 +1,112 @@
+"""What looks odd in a configuration that is valid: likely slips, each as a sentence."""
+
+from collections.abc import Iterator
+from ipaddress import ip_address
+from itertools import pairwise
+
+from vsensor.config import Rig
+from vsensor.estimator import component
+
+STEEL_WAVE_SPEEDS = (3000.0, 3300.0)
+"""√(G/ρ) of drill-pipe and collar steels, m/s."""
+LIKELY_LENGTHS = (10.0, 15_000.0)
+"""From a test stand to the longest wells drilled, m."""
+RUBBING_LENGTH = 1000.0
+"""A string longer than this touches the wall somewhere, m."""
+IMPEDANCE_STEP = 10.0
+
+
+def oddities(rig: Rig) -> list[str]:
+    """Each likely slip in one sentence: where it is, what it says, what it means."""
+    return [*_lengths(rig), *_sections(rig), *_friction(rig), *_ends(rig), *_measurement(rig), *_network(rig)]
+
+
+def _lengths(rig: Rig) -> Iterator[str]:
+    length = sum(part.length for part in rig.string)
+    shortest, longest = LIKELY_LENGTHS
+    if not shortest <= length <= longest:
+        yield f"string: {length:g} m in all, where {shortest:g} to {longest:g} m is usual: is the unit right?"
+    for number, part in enumerate(rig.string, 1):
+        slots = component.delay(part) * rig.loop.rate
+        if slots < 0.01:
+            yield (
+                f'string[{number}] "{part.name}": a wave runs {part.length:g} m in {slots:.2g} of a tick: '
+                "too short to be told from its neighbour"
+            )
+
+
+def _sections(rig: Rig) -> Iterator[str]:
+    slowest, fastest = STEEL_WAVE_SPEEDS
+    for number, part in enumerate(rig.string, 1):
+        speed = component.wave_speed(part)
+        if not slowest <= speed <= fastest:
+            yield (
+                f'string[{number}] "{part.name}": wave speed {speed:.0f} m/s: steel has {slowest:.0f} to '
+                f"{fastest:.0f}; are shear_modulus and density right?"
+            )
+    for number, (above, below) in enumerate(pairwise(rig.string), 2):
+        step = component.impedance(below) / component.impedance(above)
+        if max(step, 1 / step) > IMPEDANCE_STEP:
+            yield (
+                f'string[{number}] "{below.name}": {step:.2g} times the impedance of "{above.name}" above: '
+                "hardly a wave gets through; are the diameters right?"
+            )
+
+
+def _friction(rig: Rig) -> Iterator[str]:
+    length = sum(part.length for part in rig.string)
+    wall = wall_torque(rig)
+    if length > RUBBING_LENGTH and not wall and not any(part.viscous_friction for part in rig.string):
+        yield f"string: {length:.0f} m without any friction: what the wall takes is laid to the bit"
+    if 0 < rig.bit.static_torque < wall:
+        yield (
+            f"bit.static_torque {rig.bit.static_torque:g} N·m is less than the wall's {wall:.0f} N·m: "
+            "a small error in the friction hides the bit's torque"
+        )
+
+
+def wall_torque(rig: Rig) -> float:
+    """Kinetic Coulomb friction of the whole string, N·m: what it takes to turn it slowly off bottom."""
+    return sum(part.coulomb_friction * part.length for part in rig.string)
+
+
+def _ends(rig: Rig) -> Iterator[str]:
+    if rig.top_drive.inertia == 0 and rig.top_drive.gear_ratio == 1:
+        yield "top_drive: neither inertia nor gear: all of the motor's torque is taken to turn the string"
+    if rig.bit.inertia == 0:
+        yield "bit.inertia is 0: the bit stops and starts without delay"
+
+
+def _measurement(rig: Rig) -> Iterator[str]:
+    for name in ("torque_noise", "speed_noise"):
+        if getattr(rig.measurement, name) == 0:
+            yield f"measurement.{name} is 0: no sensor is without noise, and the stated deviations rest on it"
+    breakaway = rig.bit.static_torque + sum(part.static_friction * part.length for part in rig.string)
+    motor = breakaway / (rig.top_drive.gear_ratio * rig.top_drive.efficiency)
+    if rig.measurement.torque_limit < motor:
+        yield (
+            f"measurement.torque_limit {rig.measurement.torque_limit:g} N·m is below the {motor:.0f} N·m "
+            "that break string and bit loose: such samples would be refused"
+        )
+
+
+def _network(rig: Rig) -> Iterator[str]:
+    for number, endpoint in enumerate(rig.bus.listen, 1):
+        if not _stays_here(endpoint):
+            yield (
+                f'bus.listen[{number}] "{endpoint}": open to other machines; '
+                "without a zenoh_config that asks for it, nobody has to prove who they are"
+            )
+    if rig.bus.multicast_scouting:
+        yield "bus.multicast_scouting is on: this machine makes itself known to the whole network segment"
+
+
+def _stays_here(endpoint: str) -> bool:
+    protocol, _, address = endpoint.partition("/")
+    host = address.partition("?")[0].partition("#")[0].rpartition(":")[0].strip("[]")
+    if protocol.startswith(("unix", "serial")) or host == "localhost":
+        return True
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return False

@@ -1,0 +1,113 @@
+"""`vsensor run`: the daemon."""
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+
+from vsensor.config import Rig, effective_toml, load
+
+if TYPE_CHECKING:
+    from vsensor.messages import Status
+    from vsensor.recording.recorder import Recorder
+
+FINISH_S = 30.0
+"""How long the recorder may take to complete the file."""
+
+
+def run(config: Annotated[Path, typer.Argument(help="The rig: a TOML file.")]) -> None:
+    """Run the virtual sensor beside a rig's telemetry until Ctrl-C or SIGTERM."""
+    from vsensor.bus import open_session
+    from vsensor.service.daemon import Daemon, until_signalled
+    from vsensor.service.engine import Engine
+    from vsensor.service.pace import MonotonicClock, Pace
+
+    console = Console()
+    rig = load(config)
+    with until_signalled() as stopped:
+        engine = Engine(rig)
+        with open_session(rig.bus, "daemon") as session, _recorder(rig, console) as recorder:
+            daemon = Daemon(rig, engine, session, recorder)
+            _introduce(console, rig, engine.estimator.confirmed_delay, engine.estimator.forecast_horizon)
+            daemon.run(Pace(rig.loop.rate, MonotonicClock()), Teller(console).tell, stopped)
+        _account(console, daemon.status)
+
+
+@contextmanager
+def _recorder(rig: Rig, console: Console) -> "Iterator[Recorder | None]":
+    from vsensor.provenance import provenance
+    from vsensor.recording.recorder import Recorder
+
+    if not rig.recording.enabled:
+        yield None
+        return
+    name = f"{rig.rig.name}-{time.strftime('%Y%m%dT%H%M%SZ', time.gmtime())}.mcap"
+    recorder = Recorder(
+        rig.recording.folder / name,
+        configuration=effective_toml(rig),
+        metadata=provenance(rig),
+        compression=rig.recording.compression,
+    )
+    try:
+        yield recorder
+    finally:
+        if recorder.close(FINISH_S):
+            console.print(f"recorded {recorder.path}", soft_wrap=True)
+        else:
+            console.print(f"[red]not complete:[/] {recorder.path} {recorder.trouble()}", soft_wrap=True)
+
+
+def _introduce(console: Console, rig: Rig, delay: float, horizon: float) -> None:
+    console.print(
+        f"rig [bold]{rig.rig.name}[/]: {rig.loop.rate:g} Hz, samples awaited on {rig.prefix}/surface/… "
+        f"at {', '.join(rig.bus.listen)}\n"
+        f"the bit is confirmed {delay:.2f} s late, told for now, and foretold {horizon:.2f} s ahead\n"
+        "READY",
+        soft_wrap=True,
+        highlight=False,
+    )
+
+
+class Teller:
+    """Says each change of state once, rather than each second the same."""
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self._state = ""
+        self._dropped = 0
+
+    def tell(self, status: "Status") -> None:
+        """Hear the status of this second."""
+        if status.state != self._state:
+            self._state = status.state
+            self._console.print(f"{time.strftime('%H:%M:%S')} {status.state}", highlight=False)
+        if status.recorder_dropped > self._dropped:
+            self._dropped = status.recorder_dropped
+            self._console.print(f"[red]not recorded:[/] {self._dropped} messages so far", highlight=False)
+
+
+def _account(console: Console, status: "Status") -> None:
+    console.print(
+        f"{status.slots_run} of {status.slots_due} slots run, {status.ticks} ticks, "
+        f"{status.published} estimates published, {status.recorder_dropped} messages not recorded",
+        highlight=False,
+    )
+    for channel in status.channels:
+        refused = (
+            channel.unreadable
+            + channel.not_finite
+            + channel.out_of_range
+            + channel.doubled
+            + channel.late
+            + channel.jumped
+            + channel.bad_at_source
+        )
+        console.print(
+            f"{channel.channel}: {channel.received} received, {channel.accepted} accepted, "
+            f"{refused} refused, {channel.lost} lost on the way",
+            highlight=False,
+        )

@@ -1,0 +1,163 @@
+"""The virtual sensor: surface torque and speed in, the bit confirmed, now and foretold out."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vsensor.config import Rig
+from vsensor.estimator import kernel
+from vsensor.estimator.kernel import Model, State
+from vsensor.estimator.load import load_of
+from vsensor.estimator.sections import Floats, Line, cut, steps_per_tick
+from vsensor.estimator.top_drive import half_width, smoother
+
+ERROR_MEMORY_S = 60.0
+"""Time over which the running error of a prediction forgets: some ten periods of stick-slip."""
+
+
+class Estimates(NamedTuple):
+    """n ticks of answers. Speeds in rad/s, torques in N·m, NaN where not known yet."""
+
+    values: Floats
+    """Shape (n, 12): confirmed, now, forecast, each speed, its deviation, torque, its deviation."""
+    reasons: NDArray[np.uint32]
+    """Flags of `quality.Reason`, shape (n,)."""
+
+
+class Estimator:
+    """Runs tick by tick at `rig.loop.rate`; knows no clock.
+
+    The answers of one tick are for three times, each a fixed distance from the tick's own:
+    confirmed `confirmed_delay` earlier, now at the tick, the forecast `forecast_horizon` later.
+    """
+
+    def __init__(self, rig: Rig) -> None:
+        self._rig = rig
+        tick = 1 / rig.loop.rate
+        steps = steps_per_tick(rig.string, tick, rig.estimator.bandwidth)
+        line = cut(rig.string, tick / steps, rig.estimator.section_length)
+        self._model = _with_deviations(_model(rig, line, steps), rig)
+        self._state = _fresh(self._model)
+        self._one = (
+            np.empty((2, 1)),
+            np.empty(1, np.uint32),
+            np.empty((1, kernel.COLUMNS)),
+            np.empty(1, np.uint32),
+        )
+        step = tick / steps
+        self.confirmed_delay = self._model.now * step
+        """How long before the tick the confirmed answer is for, s."""
+        self.forecast_horizon = max(self._model.forecast - self._model.now, 0) * step
+        """How long after the tick the forecast is for, s."""
+        self.warm_up = self._model.span * tick
+        """How much input is needed before the first answer, s."""
+
+    @property
+    def line(self) -> Line:
+        """The string as cut into sections."""
+        return self._model.line
+
+    @property
+    def steps_per_tick(self) -> int:
+        """Internal steps in a tick."""
+        return self._model.steps
+
+    def reset(self) -> None:
+        """Forget all input, as at the start."""
+        self._state = _fresh(self._model)
+
+    def step(self, torque: float, speed: float, reasons: int = 0) -> tuple[Floats, int]:
+        """Run one tick; returns the answers (12,), valid until the next call, and the flags."""
+        inputs, flags, values, lasting = self._one
+        inputs[0, 0], inputs[1, 0], flags[0] = torque, speed, reasons
+        kernel.advance(self._model, self._state, inputs[0], inputs[1], flags, values, lasting)
+        return values[0], int(lasting[0])
+
+    def run(self, torque: ArrayLike, speed: ArrayLike, reasons: ArrayLike | None = None) -> Estimates:
+        """Run n ticks of motor torque (N·m) and motor speed (rad/s), each of shape (n,).
+
+        `reasons` (n,) flags what was wrong with the inputs. However the input is split into
+        calls, the answers are the same to the bit. Raises ValueError where the lengths differ.
+        """
+        torques = np.ascontiguousarray(torque, dtype=np.float64)
+        speeds = np.ascontiguousarray(speed, dtype=np.float64)
+        n = len(torques)
+        flags = np.zeros(n, np.uint32) if reasons is None else np.ascontiguousarray(reasons, dtype=np.uint32)
+        if not len(speeds) == len(flags) == n:
+            raise ValueError(
+                f"{n} torques, {len(speeds)} speeds and {len(flags)} reasons: lengths must agree"
+            )
+        out = Estimates(np.empty((n, kernel.COLUMNS)), np.empty(n, np.uint32))
+        kernel.advance(self._model, self._state, torques, speeds, flags, out.values, out.reasons)
+        return out
+
+
+def _model(rig: Rig, line: Line, steps: int) -> Model:
+    rate = rig.loop.rate
+    half = half_width(rig.estimator.bandwidth, rate)
+    round_trip = int(line.round_trip.sum())
+    return Model(
+        line=line,
+        load=load_of(rig.bit, 1 / rate / steps),
+        smooth=smoother(rig.top_drive, rig.estimator.bandwidth, rate, steps),
+        steps=steps,
+        now=half * steps + round_trip // 2,
+        forecast=round_trip,
+        # One step more than the waves need, for the bit's acceleration.
+        span=2 * half + -(-(round_trip + 1) // steps) + 1,
+        memory=round(ERROR_MEMORY_S * rate),
+        speed_std=0.0,
+        torque_std=0.0,
+    )
+
+
+def _fresh(model: Model) -> State:
+    width = model.smooth.speed_of_speed.shape[1]
+    sections = len(model.line.impedance)
+    end = max(model.now, model.forecast)
+    longest = int(model.line.round_trip.max())
+    size = 1 << int(end + longest + model.steps).bit_length()
+    return State(
+        torque=np.zeros(2 * width),
+        speed=np.zeros(2 * width),
+        waves=np.zeros((sections, size)),
+        junctions=np.zeros(sections + 1),
+        confirmed=np.zeros((2, size)),
+        foretold=np.full((2, 2, end // model.steps + 2), np.nan),
+        errors=np.zeros((2, 2)),
+        counts=np.zeros(3, np.int64),
+        last_seen=np.full(kernel.FLAGS, -(1 << 62), np.int64),
+        marching=np.zeros(sections + 1),
+        told=np.zeros((2, end)),
+    )
+
+
+def _with_deviations(model: Model, rig: Rig) -> Model:
+    """Enter the standard deviations that the measurement's noise gives the confirmed answer.
+
+    The estimator is linear but for Coulomb friction, so that white noise of each channel comes
+    out with the root of the sum of squares of the answer to a unit impulse on that channel.
+    """
+    free = model.line._replace(
+        kinetic=np.zeros_like(model.line.kinetic), static=np.zeros_like(model.line.static)
+    )
+    linear = model._replace(line=free)
+    of_torque = _impulse_energy(linear, 1.0, 0.0)
+    of_speed = _impulse_energy(linear, 0.0, 1.0)
+    noise = rig.measurement
+    variance = of_torque * noise.torque_noise**2 + of_speed * noise.speed_noise**2
+    speed_std, torque_std = np.sqrt(variance)
+    return model._replace(speed_std=float(speed_std), torque_std=float(torque_std))
+
+
+def _impulse_energy(model: Model, torque: float, speed: float) -> Floats:
+    """Sum of squares of the confirmed bit speed and torque after a unit impulse, shape (2,)."""
+    n = model.span + 1
+    torques, speeds = np.zeros(2 * n), np.zeros(2 * n)
+    torques[n], speeds[n] = torque, speed
+    out = np.empty((2 * n, kernel.COLUMNS))
+    flags = np.zeros(2 * n, np.uint32)
+    kernel.advance(model, _fresh(model), torques, speeds, flags, out, flags.copy())
+    answer = out[n:, [kernel.CONFIRMED + kernel.SPEED, kernel.CONFIRMED + kernel.TORQUE]]
+    return np.asarray((answer**2).sum(axis=0))

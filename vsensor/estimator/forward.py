@@ -1,0 +1,108 @@
+"""The string driven from the top alone: motor torque in, the whole string under a load law out.
+
+This is the paper's own case (Fig. 7: torque measured, speed not), the simulated rig, and what is
+left of the sensor where only one channel speaks.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike
+
+from vsensor.config import Bit, TopDrive
+from vsensor.estimator.line import march
+from vsensor.estimator.load import Load, contact, load_of
+from vsensor.estimator.sections import Floats, Line
+
+EVERY_JUNCTION = 1 << 60
+"""A reach for the march that spares no junction."""
+
+
+class Drive(NamedTuple):
+    """The top drive as the string feels it, at the string's side of the gear."""
+
+    torque_ratio: float
+    """String torque for one of motor torque: gear · efficiency."""
+    inertia_rate: float
+    """2 J / Δt, N·m·s/rad."""
+
+
+class ForwardLine:
+    """A string at rest, then driven by motor torque."""
+
+    def __init__(self, line: Line, drive: TopDrive, bit: Bit, step_s: float) -> None:
+        self._line = line
+        self._load = load_of(bit, step_s)
+        self._drive = Drive(drive.gear_ratio * drive.efficiency, 2 * drive.inertia / step_s)
+        self._gear = drive.gear_ratio
+        sections = len(line.impedance)
+        size = 1 << int(line.round_trip.max() + 1).bit_length()
+        self._waves = np.zeros((sections, size))
+        self._speeds = np.zeros(sections + 1)
+        self._told = np.zeros((2, 1))
+        self._step = 0
+        self._balances = np.zeros(2)
+        self.bit_delay = float(line.round_trip.sum()) / 2 * step_s
+        """How long before the top's time the bit is seen, s: one travel time of the string."""
+
+    def set_load(self, bit: Bit) -> None:
+        """Let the bit meet another load law from now on; its inertia stays."""
+        fresh = load_of(bit, 1.0)
+        self._load = fresh._replace(inertia_rate=self._load.inertia_rate)
+
+    def run(self, motor_torque: ArrayLike, bit_torque: ArrayLike) -> tuple[Floats, Floats, Floats]:
+        """Run n steps of motor torque and of a further torque on the bit, N·m, both of shape (n,).
+
+        Returns motor speed at each step, and bit speed and torque `bit_delay` earlier, all (n,).
+        """
+        torques = np.ascontiguousarray(motor_torque, dtype=np.float64)
+        external = np.ascontiguousarray(bit_torque, dtype=np.float64)
+        out = np.empty((3, len(torques)))
+        _drive(
+            self._line,
+            self._load,
+            self._drive,
+            self._waves,
+            self._step,
+            torques,
+            external,
+            self._speeds,
+            self._balances,
+            self._told,
+            out,
+        )
+        self._step += len(torques)
+        return out[0] * self._gear, out[1], out[2]
+
+
+@njit(cache=True)
+def _drive(
+    line: Line,
+    load: Load,
+    drive: Drive,
+    waves: Floats,
+    done: int,
+    torques: Floats,
+    external: Floats,
+    speeds: Floats,
+    balances: Floats,
+    told: Floats,
+    out: Floats,
+) -> None:
+    mask = waves.shape[1] - 1
+    z = line.impedance[0]
+    for k in range(torques.shape[0]):
+        step = done + k
+        g, balances[1] = march(
+            line, load, waves, step - 1, 1, EVERY_JUNCTION, external[k], speeds, balances[1], told
+        )
+        pull = drive.torque_ratio * torques[k] - g + drive.inertia_rate * speeds[0] + balances[0]
+        resistance = drive.inertia_rate + z + line.viscous[0]
+        w = contact(pull, resistance, line.kinetic[0], line.static[0], speeds[0])
+        balances[0] = drive.inertia_rate * (w - speeds[0]) - balances[0] if w != 0 else 0.0
+        speeds[0] = w
+        waves[0, step & mask] = g + 2 * z * w
+        out[0, k] = w
+        out[1, k] = told[0, 0]
+        out[2, k] = told[1, 0]

@@ -1,0 +1,105 @@
+"""The waves in the string: down from the top by measurement, or up from the bit by a load law.
+
+Everything runs in slanted time: at internal step k the junction at depth d is seen at the time
+k − θ(d), one travel time late. A wave that leaves a section's top at step k then left its bottom
+at step k too, so that torque upward costs no delay, and only the wave downward is held: its
+round trip 2θ later it stands at the bottom, in the same slanted time. One array holds it all,
+`waves[section, step & mask]`, the wave f = T + ζω at the top of each section. (Paper eq. 17, as
+mended in docs/theory; the method of characteristics.)
+"""
+
+from numba import njit
+
+from vsensor.estimator.load import Load, contact, foot, law, turn_bit
+from vsensor.estimator.sections import Floats, Line
+
+REST_SPEED = 0.2
+"""Below this speed (rad/s) Coulomb friction fades to zero in the descent, where the noise of the
+measured waves would otherwise throw it from side to side."""
+
+
+@njit(cache=True, inline="never")
+def descend(
+    line: Line, waves: Floats, speeds: Floats, step: int, torque: float, speed: float
+) -> tuple[float, float]:
+    """Peel the string from its top: torque and speed there at `step`, to those at its bottom.
+
+    Enters the waves of this step into `waves` and the junctions' speeds into `speeds` (M + 1,).
+    No allocation; a few flops a section.
+    """
+    mask = waves.shape[1] - 1
+    now = step & mask
+    t = torque - _rubbing(line, 0, speed)
+    w = speed
+    speeds[0] = speed
+    for i in range(line.impedance.shape[0]):
+        z = line.impedance[i]
+        f = t + z * w
+        g = t - z * w
+        waves[i, now] = f
+        arrived = waves[i, (step - line.round_trip[i]) & mask]
+        t = 0.5 * (arrived + g)
+        w = 0.5 * (arrived - g) / z
+        t -= _rubbing(line, i + 1, w)
+        speeds[i + 1] = w
+    return t, w
+
+
+@njit(cache=True)
+def _rubbing(line: Line, junction: int, speed: float) -> float:
+    share = min(1.0, max(-1.0, speed / REST_SPEED))
+    return float(line.viscous[junction] * speed + line.kinetic[junction] * share)
+
+
+@njit(cache=True)
+def march(
+    line: Line,
+    load: Load,
+    waves: Floats,
+    known: int,
+    steps: int,
+    reach: int,
+    external: float,
+    speeds: Floats,
+    balance: float,
+    told: Floats,
+) -> tuple[float, float]:
+    """March the string from the bit up by a load law, for `steps` steps after step `known`.
+
+    Enters f of those steps into all sections but the top one, whose f is known up to `known` and
+    taken to stay from then on. `speeds` (M + 1,) and `balance`, J dω/dt of the bit, are the state
+    at `known`; the first is replaced. Each step leaves bit speed and torque in `told` (2, ≥ steps).
+    Only junctions whose wave reaches the bit within `reach` steps matter; None need be spared
+    where that is large. `external` is a further torque on the bit. Returns the wave g that leaves
+    the top at the last step, and the new balance.
+    """
+    mask = waves.shape[1] - 1
+    last = line.impedance.shape[0] - 1
+    at = foot(line)
+    g = 0.0
+    highest = 0
+    matters = reach - line.round_trip[1:].sum()
+    for ahead in range(1, steps + 1):
+        while ahead > matters and highest < last:
+            highest += 1
+            matters += line.round_trip[highest]
+        step = known + ahead
+        left = step - line.round_trip[last]
+        f = waves[last, (min(left, known) if last == 0 else left) & mask] - external
+        w, balance = turn_bit(load, at, f, speeds[last + 1], balance)
+        speeds[last + 1] = w
+        told[0, ahead - 1] = w
+        told[1, ahead - 1] = external + (law(load, w) if w != 0 else f)
+        g = f + external - 2 * at.impedance * w
+        for i in range(last - 1, highest - 1, -1):
+            left = step - line.round_trip[i]
+            f = waves[i, (min(left, known) if i == 0 else left) & mask]
+            z = line.impedance[i]
+            below = line.impedance[i + 1]
+            w = contact(
+                f - g, z + below + line.viscous[i + 1], line.kinetic[i + 1], line.static[i + 1], speeds[i + 1]
+            )
+            speeds[i + 1] = w
+            waves[i + 1, step & mask] = g + 2 * below * w
+            g = f - 2 * z * w
+    return g, balance

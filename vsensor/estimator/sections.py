@@ -1,0 +1,110 @@
+"""The string cut into sections on a grid of internal steps: what the kernels run over."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vsensor.config import Component
+from vsensor.estimator import component
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+FINEST = 32
+"""At most so many internal steps in a tick; components shorter than one are lumped with a neighbour."""
+
+SAMPLES_PER_PERIOD = 50
+"""Internal steps in a period of the highest frequency estimated: delays are rounded to half a step,
+which then turns that frequency's phase by at most π/50 at any junction, however long the string."""
+
+
+class Line(NamedTuple):
+    """M sections in series, top down, and the M + 1 junctions above, between and below them."""
+
+    impedance: Floats
+    """ζ of each section, N·m·s/rad, shape (M,)."""
+    round_trip: Integers
+    """2θ of each section in internal steps, even and at least 2, shape (M,)."""
+    viscous: Floats
+    """Friction lumped at each junction: N·m·s/rad, shape (M + 1,)."""
+    kinetic: Floats
+    """Coulomb friction of each junction while it turns, N·m, shape (M + 1,)."""
+    static: Floats
+    """The torque at which a resting junction breaks away, N·m, shape (M + 1,)."""
+
+
+class _Part(NamedTuple):
+    impedance: float
+    delay: float
+    viscous: float
+    kinetic: float
+    static: float
+
+
+def steps_per_tick(string: Sequence[Component], tick_s: float, bandwidth_hz: float) -> int:
+    """How many internal steps a tick takes so that every component lasts one and rounding stays small."""
+    shortest = min(component.delay(part) for part in string)
+    step = min(shortest, 1 / (SAMPLES_PER_PERIOD * bandwidth_hz))
+    return min(FINEST, math.ceil(tick_s / step * (1 - 1e-12)))
+
+
+def cut(string: Sequence[Component], step_s: float, section_length: float) -> Line:
+    """Cut a string into sections of at most `section_length` (m) on a grid of `step_s`.
+
+    Distributed friction is lumped by the trapezoid rule: half of each section's at either end.
+    Depths, not lengths, are rounded to the grid, so that the error never adds up.
+    """
+    parts = _merged([piece for part in string for piece in _pieces(part, section_length)], step_s)
+    depth = np.rint(np.cumsum([0.0, *(part.delay for part in parts)]) / step_s).astype(np.int64)
+    depth[-1] = max(depth[-1], 1)
+    return Line(
+        impedance=np.array([part.impedance for part in parts]),
+        round_trip=2 * np.diff(depth),
+        viscous=_at_junctions([part.viscous for part in parts]),
+        kinetic=_at_junctions([part.kinetic for part in parts]),
+        static=_at_junctions([part.static for part in parts]),
+    )
+
+
+def _pieces(part: Component, section_length: float) -> list[_Part]:
+    rubs = part.viscous_friction or part.coulomb_friction or part.static_friction
+    count = math.ceil(part.length / section_length) if rubs else 1
+    length = part.length / count
+    piece = _Part(
+        component.impedance(part),
+        component.delay(part) / count,
+        part.viscous_friction * length,
+        part.coulomb_friction * length,
+        part.static_friction * length,
+    )
+    return [piece] * count
+
+
+def _merged(parts: list[_Part], step_s: float) -> list[_Part]:
+    """Lump what is shorter than a step with its neighbour above, keeping inertia ζθ and compliance θ/ζ."""
+    merged: list[_Part] = []
+    for part in parts:
+        if merged and min(merged[-1].delay, part.delay) < step_s * (1 - 1e-9):
+            part = _lump(merged.pop(), part)
+        merged.append(part)
+    return merged
+
+
+def _lump(a: _Part, b: _Part) -> _Part:
+    inertia = a.impedance * a.delay + b.impedance * b.delay
+    compliance = a.delay / a.impedance + b.delay / b.impedance
+    return _Part(
+        math.sqrt(inertia / compliance),
+        math.sqrt(inertia * compliance),
+        a.viscous + b.viscous,
+        a.kinetic + b.kinetic,
+        a.static + b.static,
+    )
+
+
+def _at_junctions(of_sections: list[float]) -> Floats:
+    halves = np.asarray(of_sections) / 2
+    return np.append(halves, 0.0) + np.insert(halves, 0, 0.0)

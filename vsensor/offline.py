@@ -1,0 +1,86 @@
+"""The sensor without a clock: samples of a file through the same intake and estimator as live."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import islice
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vsensor.config import Rig
+from vsensor.estimator.estimator import Estimator
+from vsensor.estimator.kernel import CONFIRMED, FORECAST, NOW, SPEED, SPEED_STD, TORQUE, TORQUE_STD
+from vsensor.intake import NS, Input, Intake
+from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Sample
+from vsensor.quality import Reason, verdict
+from vsensor.tables import SurfaceTable
+
+CHUNK = 10_000
+"""Ticks given to the estimator at once."""
+
+
+def samples_of(table: SurfaceTable) -> Iterator[tuple[str, Sample]]:
+    """The rows of a surface table as the samples that a rig would have sent."""
+    rows = zip(table.time_s, table.motor_torque_nm, table.motor_speed_rad_s, strict=True)
+    for number, (time_s, torque, speed) in enumerate(rows):
+        time_ns = round(time_s * NS)
+        yield SURFACE_TORQUE, Sample(time_ns=time_ns, value=torque, sequence=number)
+        yield SURFACE_SPEED, Sample(time_ns=time_ns, value=speed, sequence=number)
+
+
+class Offline:
+    """One rig's sensor over recorded samples."""
+
+    def __init__(self, rig: Rig) -> None:
+        self.intake = Intake(rig)
+        self._estimator = Estimator(rig)
+
+    def estimates(self, samples: Iterable[tuple[str, Sample]]) -> Iterator[Mapping[str, NDArray[np.generic]]]:
+        """Yield the estimates table of `contracts` in chunks of columns, one row a tick."""
+        inputs = self._inputs(samples)
+        while chunk := list(islice(inputs, CHUNK)):
+            yield from map(self._run, _unbroken(chunk))
+
+    def _inputs(self, samples: Iterable[tuple[str, Sample]]) -> Iterator[Input]:
+        for topic, sample in samples:
+            self.intake.push(topic, sample)
+            yield from self.intake.ready()
+
+    def _run(self, inputs: list[Input]) -> Mapping[str, NDArray[np.generic]]:
+        if inputs[0].number == 0:
+            self._estimator.reset()
+        times = np.array([given.time_ns for given in inputs])
+        values, reasons = self._estimator.run(
+            [given.motor_torque for given in inputs],
+            [given.motor_speed for given in inputs],
+            [int(given.reasons) for given in inputs],
+        )
+        confirmed = times - round(self._estimator.confirmed_delay * NS)
+        forecast = times + round(self._estimator.forecast_horizon * NS)
+        return {
+            "time_s": times / NS,
+            "confirmed_time_s": np.where(np.isnan(values[:, CONFIRMED]), np.nan, confirmed / NS),
+            **_answer("confirmed", values[:, CONFIRMED:]),
+            **_answer("now", values[:, NOW:]),
+            "forecast_time_s": np.where(np.isnan(values[:, FORECAST]), np.nan, forecast / NS),
+            **_answer("forecast", values[:, FORECAST:]),
+            "quality": np.array([verdict(Reason(int(r))).name.lower() for r in reasons]),
+        }
+
+
+def _answer(kind: str, columns: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    return {
+        f"{kind}_speed_rad_s": columns[:, SPEED],
+        f"{kind}_speed_std_rad_s": columns[:, SPEED_STD],
+        f"{kind}_torque_nm": columns[:, TORQUE],
+        f"{kind}_torque_std_nm": columns[:, TORQUE_STD],
+    }
+
+
+def _unbroken(inputs: list[Input]) -> Iterator[list[Input]]:
+    """Split where the grid was laid anew."""
+    start = 0
+    for at in range(1, len(inputs)):
+        if inputs[at].number == 0:
+            yield inputs[start:at]
+            start = at
+    yield inputs[start:]

@@ -1,0 +1,159 @@
+"""The daemon: drain what has come, step, publish, record, and never wait for anyone."""
+
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Protocol
+
+import zenoh
+
+from vsensor.bus import Outbox, Received, SurfaceInbox
+from vsensor.config import Rig
+from vsensor.messages import (
+    BIT_ESTIMATE,
+    BIT_SPEED,
+    BIT_TORQUE,
+    SENSOR_ALIVE,
+    SENSOR_EVENT,
+    SENSOR_STATUS,
+    SENSOR_TICK,
+    Estimate,
+    Event,
+    Message,
+    Sample,
+    Status,
+    Tick,
+)
+from vsensor.service.engine import Engine
+from vsensor.service.health import Health, Recorded
+from vsensor.service.pace import Pace, Slot
+from vsensor.service.watch import Watch
+
+SWITCH_INTERVAL_S = 2e-4
+"""How soon another thread of Python must yield to the loop: the default 5 ms is half a tick at 100 Hz."""
+
+
+class Recorder(Recorded, Protocol):
+    """Where everything is written; never makes the loop wait."""
+
+    def offer(self, topic: str, data: bytes, log_time_ns: int, publish_time_ns: int) -> None:
+        """Take a message along with the present slot's."""
+
+    def send(self) -> None:
+        """Hand the slot's messages on, or count what cannot be taken."""
+
+
+class Daemon:
+    """One rig's virtual sensor on the bus."""
+
+    def __init__(self, rig: Rig, engine: Engine, session: zenoh.Session, recorder: Recorder | None) -> None:
+        self._rig = rig
+        self._engine = engine
+        self._recorder = recorder
+        self._inbox = SurfaceInbox(session, rig.prefix, engine.intake.channels)
+        self._outbox = Outbox(session, rig.prefix, reliable=False)
+        self._watch = Watch()
+        self.health = Health(rig, engine)
+        self.status = self.health.status("starting", recorder)
+        self._per_second = round(rig.loop.rate)
+        self._queryable = session.declare_queryable(f"{rig.prefix}/{SENSOR_STATUS}", self._reply)
+        self._alive = session.liveliness().declare_token(f"{rig.prefix}/{SENSOR_ALIVE}")
+
+    def run(self, pace: Pace, told: Callable[[Status], None], stopped: Callable[[], bool]) -> None:
+        """Turn once each slot until told to stop; `told` hears the status of each second."""
+        sys.setswitchinterval(SWITCH_INTERVAL_S)
+        second = 0
+        for slot in pace.slots():
+            begun = time.monotonic_ns()
+            self._turn(slot)
+            if slot.number // self._per_second > second:
+                second = slot.number // self._per_second
+                self._each_second()
+                told(self.status)
+            self._hand_on()
+            self.health.slot(slot, time.monotonic_ns() - begun)
+            if stopped():
+                break
+        self._each_second()
+        self._hand_on()
+
+    def _turn(self, slot: Slot) -> None:
+        for received in self._inbox.drain():
+            self._record_received(received)
+            for tick, estimate in self._engine.take(received.topic, received.sample):
+                tick.slot, tick.lateness_ns, tick.caught_up = slot.number, slot.lateness_ns, slot.skipped > 0
+                self._publish_tick(tick, estimate)
+
+    def _publish_tick(self, tick: Tick, estimate: Estimate) -> None:
+        self.health.ticks += 1
+        self._publish(SENSOR_TICK, tick, tick.time_ns)
+        self._publish(BIT_ESTIMATE, estimate, tick.time_ns)
+        if estimate.HasField("now_bit_speed_rad_s"):
+            self._publish(BIT_SPEED, _as_sensor(estimate, "now_bit_speed", "rad_s"), tick.time_ns)
+            self._publish(BIT_TORQUE, _as_sensor(estimate, "now_bit_torque", "nm"), tick.time_ns)
+        if event := self._watch.tick(tick, estimate):
+            self._tell(event)
+        self.health.published += 1
+
+    def _each_second(self) -> None:
+        self.health.listen()
+        for event in self._watch.second(self.health.severity, self.health.input_lost):
+            self._tell(event)
+        self.status = self.health.status(self._state(), self._recorder)
+        self._publish(SENSOR_STATUS, self.status, self.status.time_ns)
+
+    def _state(self) -> str:
+        if self.health.input_lost:
+            return "input lost"
+        if self.health.ticks == 0:
+            return "waiting for samples"
+        return "running" if self._engine.warm else "warming up"
+
+    def _tell(self, event: Event) -> None:
+        self._publish(SENSOR_EVENT, event, event.time_ns)
+
+    def _publish(self, topic: str, message: Message, publish_time_ns: int) -> None:
+        data = self._outbox.put(topic, message)
+        if self._recorder is not None:
+            self._recorder.offer(topic, data, time.time_ns(), publish_time_ns)
+
+    def _record_received(self, received: Received) -> None:
+        if self._recorder is not None and received.sample is not None:
+            data = received.sample.SerializeToString()
+            self._recorder.offer(received.topic, data, received.received_ns, received.sample.time_ns)
+
+    def _hand_on(self) -> None:
+        if self._recorder is not None:
+            self._recorder.send()
+
+    def _reply(self, query: zenoh.Query) -> None:
+        with query:
+            query.reply(query.key_expr, self.status.SerializeToString(), encoding="application/protobuf")
+
+
+def _as_sensor(estimate: Estimate, field: str, unit: str) -> Sample:
+    """A now estimate in the form in which a real sensor would send it."""
+    return Sample(
+        time_ns=estimate.time_ns,
+        value=getattr(estimate, f"{field}_{unit}"),
+        sequence=estimate.number,
+        standard_deviation=getattr(estimate, f"{field}_std_{unit}"),
+        quality=estimate.quality,
+        reasons=estimate.reasons,
+    )
+
+
+@contextmanager
+def until_signalled() -> Iterator[Callable[[], bool]]:
+    """Within, SIGINT and SIGTERM end the loop at its next slot; yields the question whether one came."""
+    came: list[int] = []
+    before = {
+        s: signal.signal(s, lambda number, _: came.append(number)) for s in (signal.SIGINT, signal.SIGTERM)
+    }
+    try:
+        yield lambda: bool(came)
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

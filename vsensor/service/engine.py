@@ -1,0 +1,84 @@
+"""Samples in, ticks and estimates out: the same engine live, offline and in replay."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from vsensor.config import Rig
+from vsensor.estimator.estimator import Estimator
+from vsensor.estimator.kernel import CONFIRMED, FORECAST, NOW, SPEED, SPEED_STD, TORQUE, TORQUE_STD
+from vsensor.estimator.sections import Floats
+from vsensor.intake import NS, Input, Intake
+from vsensor.messages import Estimate, Sample, Tick
+from vsensor.messages.vsensor_pb2 import Quality as QualityMessage
+from vsensor.quality import Reason, verdict
+
+_FIELDS = tuple(
+    (f"{kind}_bit_{what}", at + column)
+    for kind, at in (("confirmed", CONFIRMED), ("now", NOW), ("forecast", FORECAST))
+    for what, column in (
+        ("speed_rad_s", SPEED),
+        ("speed_std_rad_s", SPEED_STD),
+        ("torque_nm", TORQUE),
+        ("torque_std_nm", TORQUE_STD),
+    )
+)
+
+
+class Engine:
+    """Intake and estimator of one rig."""
+
+    def __init__(self, rig: Rig) -> None:
+        self.intake = Intake(rig)
+        self.estimator = Estimator(rig)
+        self._delay_ns = round(self.estimator.confirmed_delay * NS)
+        self._horizon_ns = round(self.estimator.forecast_horizon * NS)
+        self.recent = np.full(max(1, round(rig.estimator.severity_window * rig.loop.rate)), np.nan)
+        """Confirmed bit speed of the last ticks, in no order: the window of the severity."""
+        self._warm = False
+
+    @property
+    def warm(self) -> bool:
+        """Whether the newest tick had an answer."""
+        return self._warm
+
+    def take(self, topic: str, sample: Sample | None) -> Iterator[tuple[Tick, Estimate]]:
+        """Take a sample of a surface channel (None: unreadable); yield the ticks that it completes."""
+        self.intake.push(topic, sample)
+        for given in self.intake.ready():
+            tick = tick_of(given)
+            yield tick, self.step(tick)
+
+    def step(self, tick: Tick) -> Estimate:
+        """Run one tick. The same ticks from the same start give the same estimates, bit for bit."""
+        if tick.number == 0:
+            self.estimator.reset()
+            self.recent[:] = math.nan
+        values, reasons = self.estimator.step(tick.motor_torque_nm, tick.motor_speed_rad_s, tick.reasons)
+        self._warm = not reasons & Reason.WARMING_UP
+        self.recent[tick.number % len(self.recent)] = values[CONFIRMED + SPEED]
+        return self._estimate(tick, values, Reason(reasons))
+
+    def _estimate(self, tick: Tick, values: Floats, reasons: Reason) -> Estimate:
+        estimate = Estimate(number=tick.number, time_ns=tick.time_ns, reasons=reasons)
+        estimate.quality = QualityMessage.ValueType(verdict(reasons))
+        for name, at in _FIELDS:
+            if not math.isnan(value := float(values[at])):
+                setattr(estimate, name, value)
+        if estimate.HasField("confirmed_bit_speed_rad_s"):
+            estimate.confirmed_time_ns = tick.time_ns - self._delay_ns
+        if estimate.HasField("forecast_bit_speed_rad_s"):
+            estimate.forecast_time_ns = tick.time_ns + self._horizon_ns
+        return estimate
+
+
+def tick_of(given: Input) -> Tick:
+    """The record of an input, exact enough to run it again."""
+    return Tick(
+        number=given.number,
+        time_ns=given.time_ns,
+        motor_torque_nm=given.motor_torque,
+        motor_speed_rad_s=given.motor_speed,
+        reasons=given.reasons,
+    )

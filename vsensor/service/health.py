@@ -1,0 +1,117 @@
+"""What the daemon counts of itself, and the status that it makes of it once a second."""
+
+import time
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+from vsensor import __version__
+from vsensor.config import Rig
+from vsensor.estimator.severity import severity
+from vsensor.intake import NS
+from vsensor.messages import ChannelStatus, Status
+from vsensor.service.engine import Engine
+from vsensor.service.pace import Slot
+
+SILENCE_NS = NS
+"""No sample on either channel for so long, by our own clock, and the input is lost."""
+
+
+class Recorded(Protocol):
+    """What the status tells of the recorder."""
+
+    path: Path
+    sent: int
+    dropped: int
+
+
+class Health:
+    """Counts of the loop, and of the second that runs."""
+
+    def __init__(self, rig: Rig, engine: Engine) -> None:
+        self._rig = rig
+        self._engine = engine
+        self._started_ns = time.monotonic_ns()
+        self._accepted = dict.fromkeys(engine.intake.channels, 0)
+        self._heard_ns: dict[str, int] = {}
+        self._lateness_ns: list[int] = []
+        self._work_ns: list[int] = []
+        self.slots_run = 0
+        self.slots_skipped = 0
+        self.ticks = 0
+        self.published = 0
+
+    def slot(self, slot: Slot, work_ns: int) -> None:
+        """Count one turn of the loop and the work done in it."""
+        self.slots_run += 1
+        self.slots_skipped += slot.skipped
+        self._lateness_ns.append(slot.lateness_ns)
+        self._work_ns.append(work_ns)
+
+    def listen(self) -> None:
+        """Note which channels have spoken since the last call."""
+        now = time.monotonic_ns()
+        for topic, channel in self._engine.intake.channels.items():
+            if channel.counts.accepted != self._accepted[topic]:
+                self._accepted[topic] = channel.counts.accepted
+                self._heard_ns[topic] = now
+
+    @property
+    def input_lost(self) -> bool:
+        """Whether both channels have spoken, and one has not for a second."""
+        if len(self._heard_ns) < len(self._accepted):
+            return False
+        return time.monotonic_ns() - min(self._heard_ns.values()) > SILENCE_NS
+
+    @property
+    def severity(self) -> float:
+        """Stick-slip severity over the configured window, NaN where the bit does not turn."""
+        return severity(self._engine.recent)
+
+    def status(self, state: str, recorder: Recorded | None) -> Status:
+        """The status of this moment; begins a new second."""
+        estimator = self._engine.estimator
+        status = Status(
+            time_ns=time.time_ns(),
+            rig=self._rig.rig.name,
+            version=__version__,
+            state=state,
+            uptime_s=(time.monotonic_ns() - self._started_ns) / NS,
+            rate_hz=self._rig.loop.rate,
+            slots_due=self.slots_run + self.slots_skipped,
+            slots_run=self.slots_run,
+            slots_skipped=self.slots_skipped,
+            ticks=self.ticks,
+            restarts=self._engine.intake.restarts,
+            published=self.published,
+            channels=self._channels(),
+            severity_window_s=self._rig.estimator.severity_window,
+            confirmed_delay_s=estimator.confirmed_delay,
+            forecast_horizon_s=estimator.forecast_horizon,
+        )
+        if self._lateness_ns:
+            status.lateness_p50_s, status.lateness_p99_s = _percentiles(self._lateness_ns)
+            status.work_p50_s, status.work_p99_s = _percentiles(self._work_ns)
+        if not np.isnan(worst := self.severity):
+            status.severity = worst
+        if recorder is not None:
+            status.recording = str(recorder.path)
+            status.recorded = recorder.sent
+            status.recorder_dropped = recorder.dropped
+        self._lateness_ns.clear()
+        self._work_ns.clear()
+        return status
+
+    def _channels(self) -> Iterable[ChannelStatus]:
+        now = time.monotonic_ns()
+        for topic, channel in self._engine.intake.channels.items():
+            if topic in self._heard_ns:
+                channel.counts.age_s = (now - self._heard_ns[topic]) / NS
+            yield channel.counts
+
+
+def _percentiles(values_ns: list[int]) -> tuple[float, float]:
+    p50, p99 = np.percentile(values_ns, [50, 99]) / NS
+    return float(p50), float(p99)

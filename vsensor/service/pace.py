@@ -1,0 +1,61 @@
+"""The loop's clock: absolute deadlines, so that lateness never adds up."""
+
+import time
+from collections.abc import Iterator
+from typing import NamedTuple, Protocol
+
+from vsensor.intake import NS
+
+
+class Clock(Protocol):
+    """A monotonic clock; tests bring their own."""
+
+    def now_ns(self) -> int:
+        """Nanoseconds since some fixed moment."""
+
+    def sleep_until(self, deadline_ns: int) -> None:
+        """Return at the deadline or later, and at once when it has passed."""
+
+
+class MonotonicClock:
+    """The operating system's monotonic clock."""
+
+    def now_ns(self) -> int:
+        """Nanoseconds of CLOCK_MONOTONIC."""
+        return time.monotonic_ns()
+
+    def sleep_until(self, deadline_ns: int) -> None:
+        """Sleep in the kernel; its timer is accurate to some fifty microseconds."""
+        wait_ns = deadline_ns - time.monotonic_ns()
+        if wait_ns > 0:
+            time.sleep(wait_ns / NS)
+
+
+class Slot(NamedTuple):
+    """One turn of the loop."""
+
+    number: int
+    lateness_ns: int
+    """Wake-up after the deadline."""
+    skipped: int
+    """Slots before this one that passed without a turn."""
+
+
+class Pace:
+    """Slots at a fixed rate on an absolute grid; those already over when the loop comes back are skipped."""
+
+    def __init__(self, rate_hz: float, clock: Clock) -> None:
+        self._rate = rate_hz
+        self._clock = clock
+
+    def slots(self) -> Iterator[Slot]:
+        """Yield each slot at its deadline, for as long as the caller goes on."""
+        start = self._clock.now_ns()
+        number = 0
+        while True:
+            due = number + 1
+            current = int((self._clock.now_ns() - start) * self._rate / NS)
+            number = max(due, current)
+            deadline = start + round(number * NS / self._rate)
+            self._clock.sleep_until(deadline)
+            yield Slot(number, self._clock.now_ns() - deadline, number - due)
