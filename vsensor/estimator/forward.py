@@ -7,13 +7,13 @@ left of the sensor where only one channel speaks.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 
 from vsensor.config import Bit, TopDrive
 from vsensor.estimator.line import march
 from vsensor.estimator.load import Load, contact, load_of
 from vsensor.estimator.sections import Floats, Line
+from vsensor.jit import compiled
 
 EVERY_JUNCTION = 1 << 60
 """A reach for the march that spares no junction."""
@@ -76,7 +76,7 @@ class ForwardLine:
         return out[0] * self._gear, out[1], out[2]
 
 
-@njit(cache=True)
+@compiled
 def _drive(
     line: Line,
     load: Load,

@@ -4,13 +4,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from vsensor.estimator.line import REST_SPEED, descend, march
 from vsensor.estimator.load import Load, foot, turning
 from vsensor.estimator.sections import Floats, Integers, Line
 from vsensor.estimator.top_drive import Smoother, string_top
+from vsensor.jit import compiled
 from vsensor.quality import Reason
 
 CONFIRMED, NOW, FORECAST = 0, 4, 8
@@ -71,7 +71,7 @@ class State(NamedTuple):
     """and the bit's speed and torque at each of its steps, shape (2, steps)."""
 
 
-@njit(cache=True)
+@compiled
 def advance(
     model: Model,
     state: State,
@@ -95,7 +95,7 @@ def advance(
         state.counts[0] += 1
 
 
-@njit(cache=True)
+@compiled
 def _enter(state: State, torque: float, speed: float, reasons: int) -> int:
     width = state.torque.shape[0] // 2
     tick = state.counts[0]
@@ -113,7 +113,7 @@ def _enter(state: State, torque: float, speed: float, reasons: int) -> int:
     return flags
 
 
-@njit(cache=True)
+@compiled
 def _confirm(model: Model, state: State) -> None:
     width = state.torque.shape[0] // 2
     oldest = (state.counts[0] + 1) % width
@@ -129,7 +129,7 @@ def _confirm(model: Model, state: State) -> None:
         state.confirmed[1, step & mask] = t - inertia * (w - state.confirmed[0, (step - 1) & mask])
 
 
-@njit(cache=True)
+@compiled
 def _lasting(model: Model, state: State, flags: int) -> int:
     """Flags of the confirmed answer: all that were raised on any input that takes part in it."""
     tick = state.counts[0]
@@ -144,7 +144,7 @@ def _lasting(model: Model, state: State, flags: int) -> int:
     return lasting
 
 
-@njit(cache=True)
+@compiled
 def _score(model: Model, state: State, reasons: int) -> None:
     """Hold what was foretold against what is confirmed by now."""
     if reasons & ~_BEYOND_HORIZON:
@@ -166,7 +166,7 @@ def _score(model: Model, state: State, reasons: int) -> None:
             state.errors[kind, q] += gain * (miss * miss - state.errors[kind, q])
 
 
-@njit(cache=True)
+@compiled
 def _predict(model: Model, state: State) -> None:
     """March the waves in the string on to now and to the forecast."""
     known = state.counts[0] * model.steps + model.steps - 1
@@ -184,7 +184,7 @@ def _predict(model: Model, state: State) -> None:
         state.foretold[1, q, place] = state.told[q, end - 1]
 
 
-@njit(cache=True)
+@compiled
 def _answer(model: Model, state: State, reasons: int, out: Floats) -> None:
     out[:] = math.nan
     if reasons & _WARMING_UP:

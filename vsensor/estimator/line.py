@@ -8,17 +8,20 @@ round trip 2θ later it stands at the bottom, in the same slanted time. One arra
 mended in docs/theory; the method of characteristics.)
 """
 
-from numba import njit
-
 from vsensor.estimator.load import Load, contact, foot, law, turn_bit
 from vsensor.estimator.sections import Floats, Line
+from vsensor.jit import compiled
+
+FADE_SPEED = 1.0
+"""Below this speed (rad/s) Coulomb friction fades to zero in the descent. A junction at rest may bear
+any torque up to the static one, and the sign of a speed that is nearly all noise (0.1 to 0.2 rad/s
+of it, deep down) would throw the full friction from side to side."""
 
 REST_SPEED = 0.2
-"""Below this speed (rad/s) Coulomb friction fades to zero in the descent, where the noise of the
-measured waves would otherwise throw it from side to side."""
+"""A junction confirmed to turn more slowly than this (rad/s), its noise, sets out on a march at rest."""
 
 
-@njit(cache=True, inline="never")
+@compiled
 def descend(
     line: Line, waves: Floats, speeds: Floats, step: int, torque: float, speed: float
 ) -> tuple[float, float]:
@@ -45,13 +48,13 @@ def descend(
     return t, w
 
 
-@njit(cache=True)
+@compiled
 def _rubbing(line: Line, junction: int, speed: float) -> float:
-    share = min(1.0, max(-1.0, speed / REST_SPEED))
+    share = min(1.0, max(-1.0, speed / FADE_SPEED))
     return float(line.viscous[junction] * speed + line.kinetic[junction] * share)
 
 
-@njit(cache=True)
+@compiled
 def march(
     line: Line,
     load: Load,

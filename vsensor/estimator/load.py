@@ -3,10 +3,9 @@
 import math
 from typing import NamedTuple
 
-from numba import njit
-
 from vsensor.config import Bit
 from vsensor.estimator.sections import Line
+from vsensor.jit import compiled
 
 
 class Load(NamedTuple):
@@ -35,7 +34,7 @@ def load_of(bit: Bit, step_s: float) -> Load:
     )
 
 
-@njit(cache=True)
+@compiled
 def law(load: Load, speed: float) -> float:
     """Torque of the load law at a speed, N·m; 0 at rest."""
     if speed == 0:
@@ -54,7 +53,7 @@ class Foot(NamedTuple):
     static: float
 
 
-@njit(cache=True)
+@compiled
 def foot(line: Line) -> Foot:
     """The foot of a line."""
     end = line.impedance.shape[0]
@@ -66,7 +65,7 @@ def foot(line: Line) -> Foot:
     )
 
 
-@njit(cache=True)
+@compiled
 def turning(load: Load, at: Foot, f: float, speed: float) -> float:
     """J dω/dt of a bit that slides at `speed` while the wave f arrives, N·m; 0 at rest or without inertia."""
     if speed == 0 or load.inertia_rate == 0:
@@ -75,7 +74,7 @@ def turning(load: Load, at: Foot, f: float, speed: float) -> float:
     return f - at.impedance * speed - rubbing - law(load, speed)
 
 
-@njit(cache=True)
+@compiled
 def contact(drive: float, resistance: float, kinetic: float, static: float, before: float) -> float:
     """Speed w of a junction: resistance·w + Coulomb friction = drive; rests until `static` is passed."""
     held = static if before == 0 else kinetic
@@ -84,7 +83,7 @@ def contact(drive: float, resistance: float, kinetic: float, static: float, befo
     return math.copysign(abs(drive) - kinetic, drive) / resistance
 
 
-@njit(cache=True)
+@compiled
 def turn_bit(load: Load, at: Foot, f: float, before: float, balance: float) -> tuple[float, float]:
     """Turn the bit by one step: J dω/dt = f − ζω − load law − the foot's friction.
 
@@ -101,7 +100,7 @@ def turn_bit(load: Load, at: Foot, f: float, before: float, balance: float) -> t
     return w, load.inertia_rate * (w - before) - balance
 
 
-@njit(cache=True)
+@compiled
 def _sliding(load: Load, drive: float, resistance: float) -> float:
     """Solve resistance·x + (static − kinetic) e^(−x/stribeck) = drive for the fastest x ≥ 0; else 0.
 

@@ -10,10 +10,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from vsensor.config import TopDrive
 from vsensor.estimator.sections import Floats
+from vsensor.jit import compiled
 
 REACH = 5.0
 """Where the kernel is cut off, in lengths of its decay: it has fallen to e⁻⁵ there."""
@@ -72,7 +72,7 @@ def _exact(weights: Floats, basis: Floats, offsets: Floats, moment0: float, mome
     return np.asarray(weights + basis * (a[:, None] + b[:, None] * offsets))
 
 
-@njit(cache=True)
+@compiled
 def string_top(smooth: Smoother, row: int, torque: Floats, speed: Floats) -> tuple[float, float]:
     """Torque (N·m) and speed (rad/s) at the string's top from windows of 2 h + 1 motor samples."""
     t = 0.0

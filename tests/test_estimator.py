@@ -1,0 +1,189 @@
+"""The estimator as a whole: exact, however it is fed, and honest about what it does not know."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.strings import COLLAR, PIPE, rig
+from vsensor.config import Rig
+from vsensor.estimator.estimator import Estimates, Estimator
+from vsensor.estimator.kernel import CONFIRMED, FORECAST, NOW, SPEED, SPEED_STD, TORQUE, TORQUE_STD
+from vsensor.estimator.sections import Floats
+from vsensor.quality import Quality, Reason, verdict
+from vsensor.simulate.rig import Reading, SimulatedRig
+from vsensor.simulate.scenario import PLANS, Scenario
+
+BIT = {
+    "inertia": 50.0,
+    "viscous_friction": 5.0,
+    "kinetic_torque": 3e3,
+    "static_torque": 8e3,
+    "stribeck_speed": 1.5,
+}
+DRILLING = rig(
+    PIPE.model_copy(update={"length": 2500.0}),
+    COLLAR,
+    bit=BIT,
+    top_drive={"inertia": 2000.0, "torque_lag": 0.005},
+)
+LINEAR = rig(PIPE.model_copy(update={"coulomb_friction": 0.0, "static_friction": 0.0}), COLLAR, rate=50.0)
+ANYTHING = st.floats(allow_nan=True, allow_infinity=True)
+
+
+def record(of: Rig, scenario: Scenario, seconds: float) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+    """Readings of a simulated rig, one a row, columns as in `Reading`."""
+    simulated = SimulatedRig(of, PLANS[scenario], seed=7)
+    return np.array([simulated.sample() for _ in range(round(seconds * of.loop.rate))])
+
+
+STUCK = record(DRILLING, Scenario.STICK_SLIP, 40.0)
+
+
+def column(name: str) -> Floats:
+    return np.asarray(STUCK[:, Reading._fields.index(name)])
+
+
+def same(one: Estimates, other: Estimates) -> bool:
+    return one.values.tobytes() == other.values.tobytes() and bool((one.reasons == other.reasons).all())
+
+
+@pytest.fixture(scope="module")
+def estimator() -> Estimator:
+    return Estimator(DRILLING)
+
+
+@pytest.fixture(scope="module")
+def answers(estimator: Estimator) -> Estimates:
+    estimator.reset()
+    return estimator.run(column("motor_torque"), column("motor_speed"))
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.lists(st.integers(0, 900), max_size=12))
+def test_any_split_of_the_input_gives_the_same_bits(cuts: list[int]) -> None:
+    torque, speed = column("motor_torque")[:900], column("motor_speed")[:900]
+    at_once = Estimator(DRILLING).run(torque, speed)
+    estimator = Estimator(DRILLING)
+    parts = [
+        estimator.run(t, w)
+        for t, w in zip(np.split(torque, sorted(cuts)), np.split(speed, sorted(cuts)), strict=True)
+    ]
+    values = np.concatenate([part.values for part in parts])
+    assert same(at_once, Estimates(values, np.concatenate([part.reasons for part in parts])))
+
+
+def test_a_step_is_a_run_of_one(estimator: Estimator, answers: Estimates) -> None:
+    estimator.reset()
+    for k in range(600):
+        values, reasons = estimator.step(column("motor_torque")[k], column("motor_speed")[k])
+        assert values.tobytes() == answers.values[k].tobytes()
+        assert reasons == answers.reasons[k]
+
+
+def test_reset_forgets_all(estimator: Estimator, answers: Estimates) -> None:
+    estimator.run([9e3, math.nan, -4e4], [3.0, 2.0, math.inf])
+    estimator.reset()
+    assert same(answers, estimator.run(column("motor_torque"), column("motor_speed")))
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.floats(-3, 3), st.floats(-3, 3))
+def test_without_coulomb_friction_the_confirmed_answer_is_linear(seed: int, a: float, b: float) -> None:
+    random = np.random.default_rng(seed)
+    one, other = random.standard_normal((2, 2, 200)) * np.array([[2e3], [2.0]])
+
+    def confirmed(torque: Floats, speed: Floats) -> Floats:
+        values = Estimator(LINEAR).run(torque, speed).values
+        return values[:, [CONFIRMED + SPEED, CONFIRMED + TORQUE]]
+
+    both = confirmed(*(a * one + b * other))
+    np.testing.assert_allclose(both, a * confirmed(*one) + b * confirmed(*other), atol=1e-6)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(st.tuples(ANYTHING, ANYTHING), min_size=1, max_size=300), st.booleans())
+def test_garbage_in_never_gives_nan_out_as_good(given_: list[tuple[float, float]], long: bool) -> None:
+    torque, speed = np.array(given_ * (4 if long else 1)).T
+    out = Estimator(LINEAR).run(torque, speed)
+    for values, reasons in zip(out.values, out.reasons, strict=True):
+        if verdict(Reason(int(reasons))) is Quality.GOOD:
+            assert np.isfinite(values[CONFIRMED : CONFIRMED + 4]).all()
+
+
+def test_a_missing_input_is_flagged_for_as_long_as_it_takes_part(
+    estimator: Estimator, answers: Estimates
+) -> None:
+    torque = column("motor_torque").copy()
+    torque[1500] = math.nan
+    estimator.reset()
+    out = estimator.run(torque, column("motor_speed"))
+    flagged = np.flatnonzero(out.reasons & int(Reason.STALE_TORQUE))
+    assert flagged[0] == 1500
+    assert len(flagged) == round(estimator.warm_up * DRILLING.loop.rate)
+    after = slice(int(flagged[-1]) + 1, None)
+    confirmed = slice(CONFIRMED, CONFIRMED + 4)
+    assert out.values[after, confirmed].tobytes() == answers.values[after, confirmed].tobytes()
+
+
+def test_nothing_is_told_before_all_waves_of_an_answer_were_seen(
+    estimator: Estimator, answers: Estimates
+) -> None:
+    warm = round(estimator.warm_up * DRILLING.loop.rate)
+    assert np.isnan(answers.values[:warm]).all()
+    assert all(Reason(int(r)) & Reason.WARMING_UP for r in answers.reasons[:warm])
+    assert np.isfinite(answers.values[warm, CONFIRMED : CONFIRMED + 4]).all()
+    # and no prediction before one has been scored, for its deviation is not known
+    scored = np.flatnonzero(np.isfinite(answers.values[:, NOW]))[0]
+    assert scored == pytest.approx(warm + estimator.confirmed_delay * DRILLING.loop.rate, abs=1.5)
+
+
+@pytest.mark.parametrize(
+    ("kind", "speed_limit", "torque_limit"), [(CONFIRMED, 0.25, 550), (NOW, 0.9, 600), (FORECAST, 0.9, 600)]
+)
+def test_the_bit_is_found(
+    estimator: Estimator, answers: Estimates, kind: int, speed_limit: float, torque_limit: float
+) -> None:
+    """Against the simulated truth, its string cut and stepped more finely; the bit turns 0 to 30 rad/s."""
+    shift = {CONFIRMED: -estimator.confirmed_delay, NOW: 0.0, FORECAST: estimator.forecast_horizon}[kind]
+    told = np.isfinite(answers.values[:, kind]) & (column("time_s") + shift < column("bit_time_s")[-1])
+    when = (column("time_s") + shift)[told]
+    truth = np.interp(when, column("bit_time_s"), column("bit_speed"))
+    assert np.ptp(truth) > 20
+    error = answers.values[told, kind + SPEED] - truth
+    assert np.sqrt(np.mean(error**2)) < speed_limit
+    torque = np.interp(when, column("bit_time_s"), column("bit_torque"))
+    assert np.sqrt(np.mean((answers.values[told, kind + TORQUE] - torque) ** 2)) < torque_limit
+    assert abs(np.mean(answers.values[told, kind + TORQUE] - torque)) < 100
+
+
+def test_the_noise_of_the_confirmed_answer_is_as_stated() -> None:
+    """White noise alone at the inputs comes out with the deviation that is told with each answer."""
+    random = np.random.default_rng(5)
+    noise = LINEAR.measurement
+    n = 20_000
+    estimator = Estimator(LINEAR)
+    out = estimator.run(
+        noise.torque_noise * random.standard_normal(n), noise.speed_noise * random.standard_normal(n)
+    )
+    warm = out.values[round(estimator.warm_up * LINEAR.loop.rate) :]
+    for at, std in ((SPEED, SPEED_STD), (TORQUE, TORQUE_STD)):
+        assert warm[:, CONFIRMED + at].std() == pytest.approx(warm[0, CONFIRMED + std], rel=0.08)
+
+
+def test_a_string_shorter_than_the_smoothers_lag_says_that_now_reaches_too_far() -> None:
+    lab = rig(COLLAR.model_copy(update={"length": 30.0}), bit={"inertia": 1.0, "viscous_friction": 10.0})
+    estimator = Estimator(lab)
+    assert estimator.forecast_horizon == 0
+    out = estimator.run(np.full(300, 50.0), np.full(300, 5.0))
+    assert Reason(int(out.reasons[-1])) == Reason.BEYOND_HORIZON
+    assert verdict(Reason(int(out.reasons[-1]))) is Quality.UNCERTAIN
+    assert out.values[-1, CONFIRMED + SPEED] == pytest.approx(5.0, abs=1e-9)
+    assert out.values[-1, NOW + SPEED] == pytest.approx(5.0, abs=1e-3)
+
+
+def test_inputs_of_unequal_length_are_refused() -> None:
+    with pytest.raises(ValueError, match="3 torques, 2 speeds and 3 reasons"):
+        Estimator(LINEAR).run([1, 2, 3], [1, 2])

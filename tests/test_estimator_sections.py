@@ -1,0 +1,87 @@
+"""The string on its grid."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from tests.strings import COLLAR, PIPE, strings
+from vsensor.config import Component
+from vsensor.estimator import component
+from vsensor.estimator.sections import FINEST, cut, steps_per_tick
+
+STEPS = st.floats(1e-4, 1e-2)
+
+
+@given(strings(), STEPS, st.floats(50, 1000))
+def test_depths_are_rounded_not_lengths_so_the_error_never_adds_up(
+    string: tuple[Component, ...], step: float, section_length: float
+) -> None:
+    delays = [component.delay(part) for part in string]
+    assume(min(delays) > step)
+    line = cut(string, step, section_length)
+    assert line.round_trip.sum() / 2 * step == pytest.approx(sum(delays), abs=step / 2 * (1 + 1e-9))
+
+
+@given(strings(), STEPS)
+def test_every_section_lasts_at_least_one_step(string: tuple[Component, ...], step: float) -> None:
+    line = cut(string, step, 300)
+    assert (line.round_trip >= 2).all()
+    assert (line.round_trip % 2 == 0).all()
+
+
+@given(strings(), STEPS, st.floats(50, 1000))
+def test_lumping_keeps_all_friction(
+    string: tuple[Component, ...], step: float, section_length: float
+) -> None:
+    line = cut(string, step, section_length)
+    for lumped, per_metre in (
+        (line.viscous, "viscous_friction"),
+        (line.kinetic, "coulomb_friction"),
+        (line.static, "static_friction"),
+    ):
+        assert len(lumped) == len(line.impedance) + 1
+        assert lumped.sum() == pytest.approx(sum(getattr(p, per_metre) * p.length for p in string))
+
+
+def test_a_part_shorter_than_a_step_leaves_inertia_and_compliance_as_they_were() -> None:
+    sub = Component(length=2, outer_diameter=0.2, inner_diameter=0.07)
+    step = 2e-3
+    line = cut((COLLAR, sub), step, 300)
+    (z,) = line.impedance
+    delay = component.delay(COLLAR) + component.delay(sub)
+    inertia = component.inertia(COLLAR) + component.inertia(sub)
+    compliance = 1 / component.stiffness(COLLAR) + 1 / component.stiffness(sub)
+    assert z == pytest.approx(np.sqrt(inertia / compliance), rel=1e-12)
+    assert line.round_trip[0] / 2 * step == pytest.approx(np.sqrt(inertia * compliance), abs=step / 2)
+    assert line.round_trip[0] / 2 * step == pytest.approx(delay, rel=0.05)
+
+
+def test_only_what_rubs_is_cut() -> None:
+    assert len(cut((PIPE,), 1e-3, 300).impedance) == 5
+    assert len(cut((COLLAR,), 1e-3, 50).impedance) == 1
+
+
+@pytest.mark.parametrize(("rate", "expected"), [(100, 2), (1000, 1), (20, 8)])
+def test_the_step_is_fine_enough_for_the_bandwidth(rate: float, expected: int) -> None:
+    assert steps_per_tick((PIPE,), 1 / rate, 3.0) == expected
+
+
+def test_the_step_follows_the_shortest_component_down_to_a_limit() -> None:
+    short = COLLAR.model_copy(update={"length": 9.75})
+    assert steps_per_tick((PIPE, short), 0.01, 3.0) == 4
+    shorter = COLLAR.model_copy(update={"length": 0.3})
+    assert steps_per_tick((PIPE, shorter), 0.01, 3.0) == FINEST
+
+
+def test_the_papers_string() -> None:
+    """Section 2 of the derivation: the numbers of the paper's pipe, each computed by two methods."""
+    pipe = Component(
+        length=4000, outer_diameter=0.1682, inner_diameter=0.149884, shear_modulus=79.6e9, density=8009
+    )
+    assert component.polar_moment(pipe) == pytest.approx(2.903111e-5, rel=1e-6)
+    assert component.wave_speed(pipe) == pytest.approx(3152.59, rel=1e-6)
+    assert component.delay(pipe) == pytest.approx(1.268798, rel=1e-6)
+    assert component.impedance(pipe) == pytest.approx(733.009, rel=1e-6)
+    assert component.stiffness(pipe) == pytest.approx(577.719, rel=1e-6)
+    assert component.inertia(pipe) == pytest.approx(930.041, rel=1e-6)

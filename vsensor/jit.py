@@ -1,0 +1,41 @@
+"""How the kernels are compiled: cached on disk, without fast-math.
+
+Numba keys a cached kernel by its own file alone, so that a change in a kernel that it calls would go
+unseen. Ours are therefore cached in a folder named for the whole of their sources.
+"""
+
+import hashlib
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import ParamSpec, TypeVar
+
+import numba
+import platformdirs
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+_KERNELS = Path(__file__).parent / "estimator"
+
+
+def _cache_folder() -> Path:
+    sources = hashlib.sha256()
+    for file in sorted(_KERNELS.glob("*.py")):
+        sources.update(file.read_bytes())
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    base = Path(chosen) if chosen else Path(platformdirs.user_cache_dir("vsensor"))
+    return base / f"kernels-{sources.hexdigest()[:16]}"
+
+
+numba.config.CACHE_DIR = str(_cache_folder())  # type: ignore[attr-defined]
+
+
+def compiled(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile a kernel at its first call, or load it from the cache.
+
+    Fast-math stays off: it lets the compiler assume that there is no NaN, and reorder sums, which
+    would end both the checks on input and the exactness of a replay.
+    """
+    kernel: Callable[P, R] = numba.njit(cache=True)(function)
+    return kernel
