@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.up-to-date
 
-.PHONY: demo test check bench proto pictures clean
+.PHONY: demo test check bench proto clean
 
 demo: $(STAMP)
 	$(BIN)/vsensor demo $(ARGS)
@@ -28,6 +28,7 @@ clean:
 	rm -rf .venv
 
 $(STAMP): pyproject.toml constraints.txt
-	test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	@echo "Setting up .venv: a minute or two, once."
+	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
 	touch $@

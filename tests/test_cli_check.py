@@ -1,0 +1,128 @@
+"""`vsensor check` explains a configuration, and points out likely slips without refusing them."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from vsensor.cli.main import app
+from vsensor.cli.oddities import oddities
+from vsensor.config import Rig
+
+SOUND: dict[str, Any] = {
+    "rig": {"name": "sound"},
+    "string": [
+        {"name": "pipe", "length": 2000, "outer_diameter": "5 in", "inner_diameter": "108.6 mm"},
+        {
+            "name": "[b]collar",
+            "length": 200,
+            "outer_diameter": "6.5 in",
+            "inner_diameter": 0.07,
+            "coulomb_friction": 4,
+        },
+    ],
+    "top_drive": {"inertia": 2000},
+    "bit": {"inertia": 50, "kinetic_torque": 3000, "static_torque": 8000},
+}
+
+
+def sound(section: str, **changed: object) -> Rig:
+    """The sound rig with one table changed."""
+    return Rig.model_validate(SOUND | {section: SOUND.get(section, {}) | changed})
+
+
+def with_part(number: int, **changed: object) -> Rig:
+    """The sound rig with one component changed."""
+    parts = [dict(part) for part in SOUND["string"]]
+    parts[number] |= changed
+    return Rig.model_validate(SOUND | {"string": parts})
+
+
+def test_a_sound_rig_has_nothing_odd() -> None:
+    assert oddities(Rig.model_validate(SOUND)) == []
+
+
+@pytest.mark.parametrize(
+    ("rig", "oddity"),
+    [
+        (with_part(0, length="20 km"), "string: 20200 m in all"),
+        (Rig.model_validate(SOUND | {"string": [SOUND["string"][1] | {"length": 5}]}), "string: 5 m in all"),
+        (with_part(1, length=0.2), 'string[2] "[b]collar": a wave runs 0.2 m in 0.0063 of a tick'),
+        (with_part(0, density=7000), 'string[1] "pipe": wave speed 3366 m/s'),
+        (with_part(0, shear_modulus="61 GPa"), 'string[1] "pipe": wave speed 2788 m/s'),
+        (
+            with_part(1, outer_diameter="12 in"),
+            'string[2] "[b]collar": 71 times the impedance of "pipe" above',
+        ),
+        (with_part(1, coulomb_friction=0), "string: 2200 m without any friction"),
+        (with_part(1, coulomb_friction=50), "bit.static_torque 8000 N·m is less than the wall's 10000 N·m"),
+        (sound("top_drive", inertia=0), "top_drive: neither inertia nor gear"),
+        (sound("bit", inertia=0), "bit.inertia is 0"),
+        (sound("measurement", torque_noise=0), "measurement.torque_noise is 0"),
+        (sound("measurement", speed_noise=0), "measurement.speed_noise is 0"),
+        (
+            sound("measurement", torque_limit="8 kN*m"),
+            "measurement.torque_limit 8000 N·m is below the 8800 N·m",
+        ),
+        (
+            sound("bus", listen=["tcp/0.0.0.0:7447"]),
+            'bus.listen[1] "tcp/0.0.0.0:7447": open to other machines',
+        ),
+        (sound("bus", listen=["tcp/127.0.0.1:7447", "udp/[::]:7447"]), 'bus.listen[2] "udp/[::]:7447": open'),
+        (sound("bus", listen=["tls/rig.example:7447"]), 'bus.listen[1] "tls/rig.example:7447": open'),
+        (sound("bus", multicast_scouting=True), "bus.multicast_scouting is on"),
+    ],
+)
+def test_a_likely_slip_is_pointed_out(rig: Rig, oddity: str) -> None:
+    (told,) = oddities(rig)
+    assert told.startswith(oddity)
+
+
+@pytest.mark.parametrize(
+    "rig",
+    [
+        sound("top_drive", inertia=0, gear_ratio=8.5),
+        with_part(0, viscous_friction=0.02),
+        sound("bit", kinetic_torque=0, static_torque=0),  # nothing is known of the rock, or off bottom
+        sound("measurement", torque_limit="9 kN*m"),
+        sound("bus", listen=["tcp/127.0.0.1:1", "tcp/[::1]:1", "tcp/localhost:1", "unixsock-stream//run/z"]),
+    ],
+)
+def test_what_is_usual_is_not_pointed_out(rig: Rig) -> None:
+    assert oddities(rig) == []
+
+
+def test_the_report_gives_the_figures(tmp_path: Path) -> None:
+    file = tmp_path / "shaft.toml"
+    # A uniform shaft: ζ, θ, ρJL, k and the modes (2n − 1)/(4θ) by hand, from physics.md section 1.
+    file.write_text(
+        """
+        rig.name = "shaft"
+        [[string]]
+        name = "[b]shaft"
+        length = "4000 m"
+        outer_diameter = "168.2 mm"
+        inner_diameter = "149.884 mm"
+        shear_modulus = "79.6 GPa"
+        density = "8009 kg/m³"
+        coulomb_friction = "0.5 N·m/m"
+        """,
+        encoding="utf-8",
+    )
+    result = CliRunner().invoke(app, ["check", str(file)])
+    assert result.exit_code == 0
+    rows = [line.split() for line in result.output.splitlines()]
+    assert ["[b]shaft", "4000.00", "168.2", "149.9", "733.01", "1268.80", "930.0", "2000"] in rows
+    for row in (
+        "a wave's way down 1.2688 s",
+        "and back up 2.5376 s",
+        "static stiffness 577.7 N·m/rad",
+        "wind-up 0.275 turns per kN·m",
+        "wall friction 2.00 kN·m while turning",
+        "mode 1 0.1970 Hz, period 5.08 s",
+        "mode 4 1.3793 Hz, period 0.73 s",
+    ):
+        assert row.split() in rows
+    assert "What looks odd (2)" in result.output
+    assert "\x1b" not in result.output

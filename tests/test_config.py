@@ -1,0 +1,144 @@
+"""A configuration comes out as frozen SI values, and goes into a session without loss."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import tomli_w
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from vsensor.config import Component, Rig, effective_toml, load, loads
+from vsensor.errors import ConfigError
+
+SMALL = """
+[rig]
+name = "small"
+[[string]]
+length = "1000 ft"
+outer_diameter = "5 in"
+inner_diameter = "4 in"
+"""
+
+positive = st.floats(1e-9, 1e12)
+from_zero = st.floats(0, 1e12)
+words = st.text(min_size=1, max_size=30).filter(lambda text: text.isprintable() or "\n" not in text)
+endpoints = st.lists(
+    st.sampled_from(["tcp/127.0.0.1:7447", "udp/[::1]:9", "unixsock-stream//run/z"]), max_size=3
+)
+
+
+@st.composite
+def components(draw: st.DrawFn) -> dict[str, Any]:
+    outer = draw(st.floats(0.01, 1))
+    table: dict[str, Any] = {
+        "length": draw(positive),
+        "outer_diameter": outer,
+        "inner_diameter": outer * draw(st.floats(0, 0.99)),
+    }
+    kinetic = draw(from_zero)
+    optional = {
+        "name": draw(words),
+        "shear_modulus": draw(positive),
+        "density": draw(positive),
+        "viscous_friction": draw(from_zero),
+        "coulomb_friction": kinetic,
+    }
+    table |= {key: value for key, value in optional.items() if draw(st.booleans())}
+    if "coulomb_friction" in table and draw(st.booleans()):
+        table["static_friction"] = kinetic * draw(st.floats(1, 10))
+    return table
+
+
+@st.composite
+def rigs(draw: st.DrawFn) -> dict[str, Any]:
+    kinetic = draw(from_zero)
+    gap = draw(st.floats(1e-3, 10))
+    rate = draw(st.floats(1, 5000))
+    tables: dict[str, Any] = {
+        "top_drive": {
+            "inertia": draw(from_zero),
+            "gear_ratio": draw(positive),
+            "efficiency": draw(st.floats(0.1, 1)),
+        },
+        "bit": {"kinetic_torque": kinetic, "static_torque": kinetic * 2, "stribeck_speed": draw(positive)},
+        "measurement": {"torque_noise": draw(from_zero), "max_gap": gap, "restart_gap": gap * 2},
+        "bus": {
+            "prefix": draw(st.sampled_from(["rigs/{rig}", "field/{rig}/sensor", "ölfeld"])),
+            "listen": draw(endpoints),
+            "connect": draw(endpoints),
+            "multicast_scouting": draw(st.booleans()),
+            "zenoh_config": draw(words),
+        },
+        "recording": {"enabled": draw(st.booleans()), "folder": draw(words)},
+        "view": {"history": draw(positive)},
+    }
+    chosen = {key: value for key, value in tables.items() if draw(st.booleans())}
+    return chosen | {
+        "rig": {"name": draw(st.from_regex(r"[A-Za-z0-9][A-Za-z0-9._-]{0,20}", fullmatch=True))},
+        "string": draw(st.lists(components(), min_size=1, max_size=4)),
+        "loop": {"rate": rate},
+        "estimator": {"bandwidth": max(0.05, rate / 2 * draw(st.floats(0.01, 0.99)))},
+    }
+
+
+@given(rigs())
+def test_the_effective_configuration_reads_back_exactly(tables: dict[str, Any]) -> None:
+    rig = loads(tomli_w.dumps(tables), "drawn")
+    assert loads(effective_toml(rig), "recorded") == rig
+
+
+@given(rigs())
+def test_the_effective_configuration_leaves_no_value_to_a_default(tables: dict[str, Any]) -> None:
+    rig = Rig.model_validate(tables)
+    again = loads(effective_toml(rig), "recorded")
+    for field in Rig.model_fields:
+        for table in again.string if field == "string" else (getattr(again, field),):
+            unset = type(table).model_fields.keys() - table.model_fields_set
+            assert all(getattr(table, key) is None for key in unset)
+
+
+def test_text_with_units_becomes_si() -> None:
+    rig = loads(SMALL, "small")
+    assert rig.string[0].length == pytest.approx(304.8)
+    assert rig.string[0].outer_diameter == pytest.approx(0.127)
+    assert rig.prefix == "rigs/small"
+
+
+def test_static_friction_is_as_kinetic_unless_given() -> None:
+    kinetic = SMALL + "coulomb_friction = 3\n[bit]\nkinetic_torque = 7"
+    rig = loads(kinetic, "small")
+    assert rig.string[0].static_friction == 3
+    assert rig.bit.static_torque == 7
+    both = SMALL + "coulomb_friction = 3\nstatic_friction = 4\n[bit]\nkinetic_torque = 7\nstatic_torque = 8"
+    rig = loads(both, "small")
+    assert rig.string[0].static_friction == 4
+    assert rig.bit.static_torque == 8
+
+
+def test_a_rig_cannot_be_changed() -> None:
+    rig = loads(SMALL, "small")
+    with pytest.raises(ValidationError):
+        rig.string[0].length = 1.0  # type: ignore[misc]  # what the test is about
+    assert isinstance(rig.string[0], Component)
+
+
+def test_a_file_is_read_as_its_text(tmp_path: Path) -> None:
+    file = tmp_path / "rig.toml"
+    file.write_text(SMALL, encoding="utf-8-sig", newline="\r\n")  # as a Windows editor saves it
+    assert load(file) == loads(SMALL, "small")
+
+
+@pytest.mark.parametrize("content", [b"\xff\xfe", None])
+def test_a_file_that_is_no_text_is_named(tmp_path: Path, content: bytes | None) -> None:
+    file = tmp_path / "rig.toml"
+    if content is not None:
+        file.write_bytes(content)
+    with pytest.raises(ConfigError, match=r"rig\.toml: cannot be read"):
+        load(file)
+
+
+def test_relative_folders_stay_relative() -> None:
+    rig = loads(SMALL + '[recording]\nfolder = "here/sessions"', "small")
+    assert rig.recording.folder == Path("here/sessions")
