@@ -10,6 +10,7 @@ demo: $(STAMP)
 
 test: $(STAMP)
 	$(BIN)/pytest $(ARGS)
+	NUMBA_DISABLE_JIT=1 $(BIN)/pytest --quiet tests/test_estimator_*.py
 
 check: $(STAMP)
 	$(BIN)/ruff check .

@@ -16,6 +16,7 @@ from vsensor.estimator import component
 from vsensor.estimator.modes import torsional_modes
 
 MODES = 4
+RPM = 30 / math.pi
 PIPE_WIDTH = 120
 """Columns of text when nobody's window sets them."""
 
@@ -34,6 +35,9 @@ def check(
     console.print(f"{rig.rig.name} ({config}) is valid.", style="bold")
     _print_table(console, "The string, from the top drive down", _components(rig))
     _print_table(console, "Altogether", _totals(rig))
+    with console.status("compiling the kernels, once"):
+        told = _answers(rig)
+    _print_table(console, "What the sensor will tell of the bit", told)
     _print_table(console, "Lowest torsional modes, the top held as by a stiff top drive", _modes(rig))
     _print_oddities(console, oddities(rig))
 
@@ -74,6 +78,21 @@ def _totals(rig: Rig) -> Table:
     table.add_row("static stiffness", f"{1 / compliance:.1f} N·m/rad")
     table.add_row("wind-up", f"{1e3 * compliance / (2 * math.pi):.3f} turns per kN·m")
     table.add_row("wall friction", f"{wall_torque(rig) / 1e3:.2f} kN·m while turning")
+    return table
+
+
+def _answers(rig: Rig) -> Table:
+    from vsensor.estimator.estimator import Estimator
+
+    sensor = Estimator(rig)
+    step_ms = 1e3 / rig.loop.rate / sensor.steps_per_tick
+    table = _pairs()
+    table.add_row("first answer", f"{sensor.warm_up:.2f} s after the first samples")
+    table.add_row("confirmed", f"{sensor.confirmed_delay:.3f} s late")
+    table.add_row("  its noise", f"{sensor.speed_noise * RPM:.1f} rpm, {sensor.torque_noise:.0f} N·m (one σ)")
+    table.add_row("forecast", f"{sensor.forecast_horizon:.3f} s ahead")
+    table.add_row("band", f"{rig.estimator.bandwidth:g} Hz")
+    table.add_row("grid", f"{len(sensor.line.impedance)} sections, steps of {step_ms:g} ms")
     return table
 
 

@@ -52,6 +52,10 @@ class Estimator:
         """How long after the tick the forecast is for, s."""
         self.warm_up = self._model.span * tick
         """How much input is needed before the first answer, s."""
+        self.speed_noise = self._model.speed_std
+        """Standard deviation of the confirmed speed from the measurement's noise, rad/s."""
+        self.torque_noise = self._model.torque_std
+        """Standard deviation of the confirmed torque from the measurement's noise, N·m."""
 
     @property
     def line(self) -> Line:

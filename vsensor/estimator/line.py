@@ -95,6 +95,8 @@ def march(
         told[1, ahead - 1] = external + (law(load, w) if w != 0 else f)
         g = f + external - 2 * at.impedance * w
         for i in range(last - 1, highest - 1, -1):
+            if i < 0:  # never so; but said, it spares the compiler its care for negative indices: a fifth
+                break
             left = step - line.round_trip[i]
             f = waves[i, (min(left, known) if i == 0 else left) & mask]
             z = line.impedance[i]
