@@ -187,3 +187,29 @@ def test_a_string_shorter_than_the_smoothers_lag_says_that_now_reaches_too_far()
 def test_inputs_of_unequal_length_are_refused() -> None:
     with pytest.raises(ValueError, match="3 torques, 2 speeds and 3 reasons"):
         Estimator(LINEAR).run([1, 2, 3], [1, 2])
+
+
+@pytest.mark.parametrize("channel", ["motor_torque", "motor_speed"])
+def test_one_channel_lost_is_bridged_by_the_load_law_and_its_return_is_seamless(
+    estimator: Estimator, answers: Estimates, channel: str
+) -> None:
+    """Ten seconds of stick-slip without one of the channels, then both again."""
+    inputs = {name: column(name).copy() for name in ("motor_torque", "motor_speed")}
+    lost = slice(2000, 3000)
+    inputs[channel][lost] = math.nan
+    estimator.reset()
+    out = estimator.run(inputs["motor_torque"], inputs["motor_speed"])
+    truth = np.interp(column("time_s") - estimator.confirmed_delay, column("bit_time_s"), column("bit_speed"))
+    # All of it told, graded uncertain, with a wider deviation than before, and true within it
+    told = out.values[lost, CONFIRMED : CONFIRMED + 4]
+    assert np.isfinite(told).all()
+    assert {verdict(Reason(int(r))) for r in out.reasons[lost]} == {Quality.UNCERTAIN}
+    assert (told[:, SPEED_STD] > 2 * answers.values[1999, CONFIRMED + SPEED_STD]).all()
+    error = told[:, SPEED] - truth[lost]
+    assert np.ptp(truth[lost]) > 20
+    assert np.sqrt(np.mean(error**2)) < 3.0
+    # Once all waves of the answer were measured again it is what it would have been
+    after = slice(3000 + round(estimator.warm_up * 100), None)
+    confirmed = slice(CONFIRMED, CONFIRMED + 4)
+    assert out.values[after, confirmed].tobytes() == answers.values[after, confirmed].tobytes()
+    assert {verdict(Reason(int(r))) for r in out.reasons[after]} == {Quality.GOOD}

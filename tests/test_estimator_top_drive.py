@@ -6,12 +6,25 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsensor.config import TopDrive
-from vsensor.estimator.top_drive import half_width, smoother, string_top
+from vsensor.estimator.sections import Floats
+from vsensor.estimator.top_drive import (
+    Smoother,
+    half_width,
+    smoother,
+    string_speed,
+    string_torque,
+    turning_torque,
+)
 
 RATE, STEPS, BAND = 100.0, 4, 3.0
 HALF = half_width(BAND, RATE)
 NOW = np.arange(-2 * HALF, 1) / RATE
 BARE = TopDrive()
+
+
+def string_top(weights: Smoother, row: int, torque: Floats, speed: Floats) -> tuple[float, float]:
+    t = string_torque(weights, row, torque) - turning_torque(weights, row, speed)
+    return t, string_speed(weights, row, speed)
 
 
 def when(row: int) -> float:

@@ -19,9 +19,9 @@ class Reason(IntFlag):
     GAP_BRIDGED = 1 << 1
     """Samples were missing; the gap was bridged by a straight line."""
     STALE_TORQUE = 1 << 2
-    """The torque channel is silent; its last value was held."""
+    """The torque channel is silent: the string is run by speed alone under the load law."""
     STALE_SPEED = 1 << 3
-    """The speed channel is silent; its last value was held."""
+    """The speed channel is silent: the string is run by torque alone under the load law."""
     SOURCE_UNCERTAIN = 1 << 4
     """The source itself called a sample less than good."""
     BEYOND_HORIZON = 1 << 5
@@ -32,11 +32,11 @@ class Reason(IntFlag):
         return ", ".join(flag.name.lower().replace("_", " ") for flag in self if flag.name)
 
 
-_BAD = Reason.WARMING_UP | Reason.STALE_TORQUE | Reason.STALE_SPEED
+_BOTH_STALE = Reason.STALE_TORQUE | Reason.STALE_SPEED
 
 
 def verdict(reasons: Reason) -> Quality:
     """Grade a set of reasons: bad where a number must not be used, uncertain where with care."""
-    if reasons & _BAD:
+    if reasons & Reason.WARMING_UP or _BOTH_STALE in reasons:
         return Quality.BAD
     return Quality.UNCERTAIN if reasons else Quality.GOOD

@@ -7,9 +7,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from vsensor.config import Rig
 from vsensor.estimator import kernel
-from vsensor.estimator.kernel import Model, State
 from vsensor.estimator.load import load_of
 from vsensor.estimator.sections import Floats, Line, cut, steps_per_tick
+from vsensor.estimator.state import Model, fresh
 from vsensor.estimator.top_drive import half_width, smoother
 
 ERROR_MEMORY_S = 60.0
@@ -38,7 +38,7 @@ class Estimator:
         steps = steps_per_tick(rig.string, tick, rig.estimator.bandwidth)
         line = cut(rig.string, tick / steps, rig.estimator.section_length)
         self._model = _with_deviations(_model(rig, line, steps), rig)
-        self._state = _fresh(self._model)
+        self._state = fresh(self._model)
         self._one = (
             np.empty((2, 1)),
             np.empty(1, np.uint32),
@@ -69,7 +69,7 @@ class Estimator:
 
     def reset(self) -> None:
         """Forget all input, as at the start."""
-        self._state = _fresh(self._model)
+        self._state = fresh(self._model)
 
     def step(self, torque: float, speed: float, reasons: int = 0) -> tuple[Floats, int]:
         """Run one tick; returns the answers (12,), valid until the next call, and the flags."""
@@ -111,29 +111,9 @@ def _model(rig: Rig, line: Line, steps: int) -> Model:
         # One step more than the waves need, for the bit's acceleration.
         span=2 * half + -(-(round_trip + 1) // steps) + 1,
         memory=round(ERROR_MEMORY_S * rate),
+        drive_rate=2 * rig.top_drive.inertia * rate * steps,
         speed_std=0.0,
         torque_std=0.0,
-    )
-
-
-def _fresh(model: Model) -> State:
-    width = model.smooth.speed_of_speed.shape[1]
-    sections = len(model.line.impedance)
-    end = max(model.now, model.forecast)
-    longest = int(model.line.round_trip.max())
-    size = 1 << int(end + longest + model.steps).bit_length()
-    return State(
-        torque=np.zeros(2 * width),
-        speed=np.zeros(2 * width),
-        waves=np.zeros((sections, size)),
-        junctions=np.zeros(sections + 1),
-        confirmed=np.zeros((2, size)),
-        foretold=np.full((2, 2, end // model.steps + 2), np.nan),
-        errors=np.zeros((2, 2)),
-        counts=np.zeros(3, np.int64),
-        last_seen=np.full(kernel.FLAGS, -(1 << 62), np.int64),
-        marching=np.zeros(sections + 1),
-        told=np.zeros((2, end)),
     )
 
 
@@ -162,6 +142,6 @@ def _impulse_energy(model: Model, torque: float, speed: float) -> Floats:
     torques[n], speeds[n] = torque, speed
     out = np.empty((2 * n, kernel.COLUMNS))
     flags = np.zeros(2 * n, np.uint32)
-    kernel.advance(model, _fresh(model), torques, speeds, flags, out, flags.copy())
+    kernel.advance(model, fresh(model), torques, speeds, flags, out, flags.copy())
     answer = out[n:, [kernel.CONFIRMED + kernel.SPEED, kernel.CONFIRMED + kernel.TORQUE]]
     return np.asarray((answer**2).sum(axis=0))

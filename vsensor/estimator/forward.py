@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vsensor.config import Bit, TopDrive
-from vsensor.estimator.line import march
-from vsensor.estimator.load import Load, contact, load_of
+from vsensor.estimator.confirm import EVERY_JUNCTION
+from vsensor.estimator.line import march, turn_top
+from vsensor.estimator.load import Load, load_of
 from vsensor.estimator.sections import Floats, Line
+from vsensor.estimator.state import BIT, TOP
 from vsensor.jit import compiled
-
-EVERY_JUNCTION = 1 << 60
-"""A reach for the march that spares no junction."""
 
 
 class Drive(NamedTuple):
@@ -94,13 +93,11 @@ def _drive(
     z = line.impedance[0]
     for k in range(torques.shape[0]):
         step = done + k
-        g, balances[1] = march(
-            line, load, waves, step - 1, 1, EVERY_JUNCTION, external[k], speeds, balances[1], told
+        g, balances[BIT] = march(
+            line, load, waves, step - 1, 1, EVERY_JUNCTION, external[k], speeds, balances[BIT], told
         )
-        pull = drive.torque_ratio * torques[k] - g + drive.inertia_rate * speeds[0] + balances[0]
-        resistance = drive.inertia_rate + z + line.viscous[0]
-        w = contact(pull, resistance, line.kinetic[0], line.static[0], speeds[0])
-        balances[0] = drive.inertia_rate * (w - speeds[0]) - balances[0] if w != 0 else 0.0
+        pull = drive.torque_ratio * torques[k] - g
+        w, balances[TOP] = turn_top(line, drive.inertia_rate, pull, speeds[0], balances[TOP])
         speeds[0] = w
         waves[0, step & mask] = g + 2 * z * w
         out[0, k] = w

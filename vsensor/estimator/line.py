@@ -108,3 +108,18 @@ def march(
             waves[i + 1, step & mask] = g + 2 * below * w
             g = f - 2 * z * w
     return g, balance
+
+
+@compiled
+def turn_top(
+    line: Line, drive_rate: float, pull: float, before: float, balance: float
+) -> tuple[float, float]:
+    """Turn the top by one step: J dω/dt = `pull` − ζω − the top junction's friction.
+
+    `pull` is the motor's torque less the wave g that arrives; `before` and `balance` are ω and
+    J dω/dt of the step before. Returns those of this step.
+    """
+    drive = pull + drive_rate * before + balance
+    resistance = drive_rate + line.impedance[0] + line.viscous[0]
+    w = contact(drive, resistance, line.kinetic[0], line.static[0], before)
+    return w, drive_rate * (w - before) - balance if w != 0 else 0.0

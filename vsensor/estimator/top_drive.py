@@ -48,7 +48,7 @@ def smoother(drive: TopDrive, bandwidth_hz: float, rate_hz: float, steps: int) -
     turns = drive.gear_ratio
     # The converter reports torque late by its own lag: first order, undone by as much of the slope.
     of_torque = turns * drive.efficiency * (value + drive.torque_lag * slope)
-    return Smoother(of_torque, -drive.inertia / turns * slope, value / turns)
+    return Smoother(of_torque, drive.inertia / turns * slope, value / turns)
 
 
 def _kernels(offsets: Floats, decay: float) -> tuple[Floats, Floats]:
@@ -73,11 +73,26 @@ def _exact(weights: Floats, basis: Floats, offsets: Floats, moment0: float, mome
 
 
 @compiled
-def string_top(smooth: Smoother, row: int, torque: Floats, speed: Floats) -> tuple[float, float]:
-    """Torque (N·m) and speed (rad/s) at the string's top from windows of 2 h + 1 motor samples."""
-    t = 0.0
-    w = 0.0
-    for j in range(smooth.speed_of_speed.shape[1]):
-        t += smooth.torque_of_torque[row, j] * torque[j] + smooth.torque_of_speed[row, j] * speed[j]
-        w += smooth.speed_of_speed[row, j] * speed[j]
-    return t, w
+def string_torque(smooth: Smoother, row: int, torque: Floats) -> float:
+    """Torque that the motor passes on, N·m, from a window of 2 h + 1 motor torques."""
+    return _weighed(smooth.torque_of_torque, row, torque)
+
+
+@compiled
+def turning_torque(smooth: Smoother, row: int, speed: Floats) -> float:
+    """Torque that turns the top drive's own inertia, J dω/dt, N·m, from a window of 2 h + 1 motor speeds."""
+    return _weighed(smooth.torque_of_speed, row, speed)
+
+
+@compiled
+def string_speed(smooth: Smoother, row: int, speed: Floats) -> float:
+    """Speed of the string's top, rad/s, from a window of 2 h + 1 motor speeds."""
+    return _weighed(smooth.speed_of_speed, row, speed)
+
+
+@compiled
+def _weighed(weights: Floats, row: int, window: Floats) -> float:
+    total = 0.0
+    for j in range(weights.shape[1]):
+        total += weights[row, j] * window[j]
+    return total

@@ -1,0 +1,88 @@
+"""What the estimator is, and what it remembers: plain arrays, laid out once."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vsensor.estimator.load import Load
+from vsensor.estimator.sections import Floats, Integers, Line
+from vsensor.estimator.top_drive import Smoother
+
+FLAGS = 16
+"""Room for so many kinds of `quality.Reason`."""
+TOP, BIT = range(2)
+"""The two ends that have an inertia of their own."""
+
+
+class Model(NamedTuple):
+    """What does not change while running. Times in internal steps, `steps` of which make a tick."""
+
+    line: Line
+    load: Load
+    smooth: Smoother
+    steps: int
+    now: int
+    """From a confirmed step to the present: the smoother's lag and the line's one-way delay."""
+    forecast: int
+    """From a confirmed step to the last that the waves in the string reach: the line's round trip."""
+    span: int
+    """Ticks for which an input takes part in the confirmed answer."""
+    memory: int
+    """Ticks over which a prediction's running error forgets."""
+    drive_rate: float
+    """2 J / Δt of the top drive, N·m·s/rad: what its inertia adds to an impedance (trapezoid rule)."""
+    speed_std: float
+    """Standard deviation that the measurement's noise gives the confirmed bit speed, rad/s."""
+    torque_std: float
+    """The same of its torque, N·m."""
+
+
+class State(NamedTuple):
+    """What changes from tick to tick; plain arrays, so that saving it is copying them."""
+
+    torque: Floats
+    """Motor torque, the window of the smoother written twice over, so that it is always in one piece."""
+    speed: Floats
+    waves: Floats
+    """The wave f at the top of each section by internal step, shape (M, size), size a power of two."""
+    junctions: Floats
+    """Speed of each junction at the last confirmed step, 0 for one at rest, shape (M + 1,)."""
+    balances: Floats
+    """J dω/dt of top drive and bit at that step, N·m, shape (2,)."""
+    confirmed: Floats
+    """Bit speed and torque by internal step, a ring as long as that of the waves, shape (2, size)."""
+    foretold: Floats
+    """What each tick said of now and of the forecast, a ring, shape (2, 2, ticks)."""
+    errors: Floats
+    """Running mean square error of now and forecast, of speed and torque, shape (2, 2)."""
+    counts: Integers
+    """Ticks done, then predictions scored of now and of the forecast, shape (3,)."""
+    last_seen: Integers
+    """The last tick at which each flag was raised, shape (FLAGS,)."""
+    marching: Floats
+    """Room for the march: each junction's speed,"""
+    told: Floats
+    """and the bit's speed and torque at each of its steps, shape (2, steps)."""
+
+
+def fresh(model: Model) -> State:
+    """The state before the first tick."""
+    width = model.smooth.speed_of_speed.shape[1]
+    sections = len(model.line.impedance)
+    end = max(model.now, model.forecast)
+    longest = int(model.line.round_trip.max())
+    size = 1 << int(end + longest + model.steps).bit_length()
+    return State(
+        torque=np.zeros(2 * width),
+        speed=np.zeros(2 * width),
+        waves=np.zeros((sections, size)),
+        junctions=np.zeros(sections + 1),
+        balances=np.zeros(2),
+        confirmed=np.zeros((2, size)),
+        foretold=np.full((2, 2, end // model.steps + 2), np.nan),
+        errors=np.zeros((2, 2)),
+        counts=np.zeros(3, np.int64),
+        last_seen=np.full(FLAGS, -(1 << 62), np.int64),
+        marching=np.zeros(sections + 1),
+        told=np.zeros((2, end)),
+    )
