@@ -117,6 +117,7 @@ class EstimatorSettings(_Table):
 
     bandwidth: Bandwidth = Field(default=3.0, description='a frequency from 0.05 Hz, such as "3 Hz"')
     section_length: Length = 300.0
+    learn: bool = True
     severity_window: PositiveTime = 20.0
 
 

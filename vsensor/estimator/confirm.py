@@ -8,6 +8,7 @@ load law tells the wave up, and the channel that is left gives the wave down:
     torque known     J dω/dt = T_motor − T_string, T_string = g + ζω, and then the same
 """
 
+from vsensor.estimator.learn import load_in_force
 from vsensor.estimator.line import REST_SPEED, descend, march, turn_top
 from vsensor.estimator.load import foot, turning
 from vsensor.estimator.sections import Floats
@@ -53,7 +54,7 @@ def _by_both(model: Model, state: State, step: int, row: int, torque: Floats, sp
     t, w = descend(model.line, state.waves, state.junctions, step, t, w)
     before = state.confirmed[0, (step - 1) & mask]
     state.confirmed[0, step & mask] = w
-    state.confirmed[1, step & mask] = t - 0.5 * model.load.inertia_rate * (w - before)
+    state.confirmed[1, step & mask] = t - 0.5 * model.bit_rate * (w - before)
     if row == model.steps - 1:
         _settle(model, state, step, accelerates)
 
@@ -67,7 +68,8 @@ def _settle(model: Model, state: State, step: int, accelerates: float) -> None:
     last = model.line.impedance.shape[0] - 1
     f = state.waves[last, (step - model.line.round_trip[last]) & (state.waves.shape[1] - 1)]
     state.balances[TOP] = accelerates
-    state.balances[BIT] = turning(model.load, foot(model.line), f, state.junctions[last + 1])
+    load = load_in_force(state.learned, model.bit_rate)
+    state.balances[BIT] = turning(load, foot(model.line), f, state.junctions[last + 1])
 
 
 @compiled
@@ -92,7 +94,7 @@ def _march_up(model: Model, state: State, step: int) -> float:
     mask = state.waves.shape[1] - 1
     g, state.balances[BIT] = march(
         model.line,
-        model.load,
+        load_in_force(state.learned, model.bit_rate),
         state.waves,
         step - 1,
         1,

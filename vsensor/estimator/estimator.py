@@ -5,9 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vsensor.config import Rig
+from vsensor.config import Bit, Rig
 from vsensor.estimator import kernel
-from vsensor.estimator.load import load_of
 from vsensor.estimator.sections import Floats, Line, cut, steps_per_tick
 from vsensor.estimator.state import Model, fresh
 from vsensor.estimator.top_drive import half_width, smoother
@@ -38,7 +37,7 @@ class Estimator:
         steps = steps_per_tick(rig.string, tick, rig.estimator.bandwidth)
         line = cut(rig.string, tick / steps, rig.estimator.section_length)
         self._model = _with_deviations(_model(rig, line, steps), rig)
-        self._state = fresh(self._model)
+        self._state = fresh(self._model, self._rig.bit)
         self._one = (
             np.empty((2, 1)),
             np.empty(1, np.uint32),
@@ -69,7 +68,7 @@ class Estimator:
 
     def reset(self) -> None:
         """Forget all input, as at the start."""
-        self._state = fresh(self._model)
+        self._state = fresh(self._model, self._rig.bit)
 
     def step(self, torque: float, speed: float, reasons: int = 0) -> tuple[Floats, int]:
         """Run one tick; returns the answers (12,), valid until the next call, and the flags."""
@@ -103,7 +102,7 @@ def _model(rig: Rig, line: Line, steps: int) -> Model:
     round_trip = int(line.round_trip.sum())
     return Model(
         line=line,
-        load=load_of(rig.bit, 1 / rate / steps),
+        bit_rate=2 * rig.bit.inertia * rate * steps,
         smooth=smoother(rig.top_drive, rig.estimator.bandwidth, rate, steps),
         steps=steps,
         now=half * steps + round_trip // 2,
@@ -112,6 +111,9 @@ def _model(rig: Rig, line: Line, steps: int) -> Model:
         span=2 * half + -(-(round_trip + 1) // steps) + 1,
         memory=round(ERROR_MEMORY_S * rate),
         drive_rate=2 * rig.top_drive.inertia * rate * steps,
+        rate=rate,
+        blur=max(1, round(0.5 / rig.estimator.bandwidth * rate * steps)),
+        learns=rig.estimator.learn,
         speed_std=0.0,
         torque_std=0.0,
     )
@@ -127,21 +129,21 @@ def _with_deviations(model: Model, rig: Rig) -> Model:
         kinetic=np.zeros_like(model.line.kinetic), static=np.zeros_like(model.line.static)
     )
     linear = model._replace(line=free)
-    of_torque = _impulse_energy(linear, 1.0, 0.0)
-    of_speed = _impulse_energy(linear, 0.0, 1.0)
+    of_torque = _impulse_energy(linear, rig.bit, 1.0, 0.0)
+    of_speed = _impulse_energy(linear, rig.bit, 0.0, 1.0)
     noise = rig.measurement
     variance = of_torque * noise.torque_noise**2 + of_speed * noise.speed_noise**2
     speed_std, torque_std = np.sqrt(variance)
     return model._replace(speed_std=float(speed_std), torque_std=float(torque_std))
 
 
-def _impulse_energy(model: Model, torque: float, speed: float) -> Floats:
+def _impulse_energy(model: Model, bit: Bit, torque: float, speed: float) -> Floats:
     """Sum of squares of the confirmed bit speed and torque after a unit impulse, shape (2,)."""
     n = model.span + 1
     torques, speeds = np.zeros(2 * n), np.zeros(2 * n)
     torques[n], speeds[n] = torque, speed
     out = np.empty((2 * n, kernel.COLUMNS))
     flags = np.zeros(2 * n, np.uint32)
-    kernel.advance(model, fresh(model), torques, speeds, flags, out, flags.copy())
+    kernel.advance(model, fresh(model, bit), torques, speeds, flags, out, flags.copy())
     answer = out[n:, [kernel.CONFIRMED + kernel.SPEED, kernel.CONFIRMED + kernel.TORQUE]]
     return np.asarray((answer**2).sum(axis=0))

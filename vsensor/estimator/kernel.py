@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vsensor.estimator.confirm import confirm
+from vsensor.estimator.learn import learn, load_in_force
 from vsensor.estimator.line import march
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import BIT, FLAGS, Model, State
@@ -41,7 +42,10 @@ def advance(
         flags = _enter(state, torque[k], speed[k], reasons[k])
         out_reasons[k] = _lasting(model, state, flags)
         confirm(model, state)
-        _score(model, state, out_reasons[k])
+        if not out_reasons[k] & ~_BEYOND_HORIZON:
+            _score(model, state)
+            if model.learns:
+                _learn(model, state)
         _predict(model, state)
         _answer(model, state, out_reasons[k], out[k])
         state.counts[0] += 1
@@ -81,10 +85,19 @@ def _lasting(model: Model, state: State, flags: int) -> int:
 
 
 @compiled
-def _score(model: Model, state: State, reasons: int) -> None:
+def _learn(model: Model, state: State) -> None:
+    mask = state.waves.shape[1] - 1
+    newest = state.counts[0] * model.steps + model.steps - 1
+    torques = np.empty(3)
+    for k in range(3):
+        torques[k] = state.confirmed[1, (newest - (2 - k) * model.blur) & mask]
+    speed = state.confirmed[0, newest & mask]
+    learn(state.learned, model.line, state.junctions, torques, speed, model.rate, state.counts[0])
+
+
+@compiled
+def _score(model: Model, state: State) -> None:
     """Hold what was foretold against what is confirmed by now."""
-    if reasons & ~_BEYOND_HORIZON:
-        return
     mask = state.waves.shape[1] - 1
     newest = state.counts[0] * model.steps + model.steps - 1
     for kind in range(2):
@@ -110,7 +123,7 @@ def _predict(model: Model, state: State) -> None:
     end = max(model.now, model.forecast)
     march(
         model.line,
-        model.load,
+        load_in_force(state.learned, model.bit_rate),
         state.waves,
         known,
         end,

@@ -50,7 +50,8 @@ def descend(
 
 @compiled
 def _rubbing(line: Line, junction: int, speed: float) -> float:
-    share = min(1.0, max(-1.0, speed / FADE_SPEED))
+    # min and max would say the same, but cost a seventh of the descent.
+    share = -1.0 if speed < -FADE_SPEED else 1.0 if speed > FADE_SPEED else speed / FADE_SPEED
     return float(line.viscous[junction] * speed + line.kinetic[junction] * share)
 
 

@@ -4,7 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vsensor.estimator.load import Load
+from vsensor.config import Bit
+from vsensor.estimator.learn import Learned, fresh_law
 from vsensor.estimator.sections import Floats, Integers, Line
 from vsensor.estimator.top_drive import Smoother
 
@@ -18,7 +19,8 @@ class Model(NamedTuple):
     """What does not change while running. Times in internal steps, `steps` of which make a tick."""
 
     line: Line
-    load: Load
+    bit_rate: float
+    """2 J / Δt of the bit, N·m·s/rad: what its inertia adds to an impedance (trapezoid rule)."""
     smooth: Smoother
     steps: int
     now: int
@@ -30,7 +32,13 @@ class Model(NamedTuple):
     memory: int
     """Ticks over which a prediction's running error forgets."""
     drive_rate: float
-    """2 J / Δt of the top drive, N·m·s/rad: what its inertia adds to an impedance (trapezoid rule)."""
+    """The same of the top drive."""
+    rate: float
+    """Ticks a second."""
+    blur: int
+    """Over so many steps the smoother spreads a jump: half a period of the band's end."""
+    learns: bool
+    """Whether the load law is learned, or stays as configured."""
     speed_std: float
     """Standard deviation that the measurement's noise gives the confirmed bit speed, rad/s."""
     torque_std: float
@@ -59,13 +67,15 @@ class State(NamedTuple):
     """Ticks done, then predictions scored of now and of the forecast, shape (3,)."""
     last_seen: Integers
     """The last tick at which each flag was raised, shape (FLAGS,)."""
+    learned: Learned
+    """The load law and what it was learned from."""
     marching: Floats
     """Room for the march: each junction's speed,"""
     told: Floats
     """and the bit's speed and torque at each of its steps, shape (2, steps)."""
 
 
-def fresh(model: Model) -> State:
+def fresh(model: Model, bit: Bit) -> State:
     """The state before the first tick."""
     width = model.smooth.speed_of_speed.shape[1]
     sections = len(model.line.impedance)
@@ -83,6 +93,7 @@ def fresh(model: Model) -> State:
         errors=np.zeros((2, 2)),
         counts=np.zeros(3, np.int64),
         last_seen=np.full(FLAGS, -(1 << 62), np.int64),
+        learned=fresh_law(bit),
         marching=np.zeros(sections + 1),
         told=np.zeros((2, end)),
     )

@@ -1,0 +1,106 @@
+"""The load law is learned from the bit's own confirmed answers."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from vsensor.config import Bit
+from vsensor.estimator.learn import Learned, fresh_law, learn
+from vsensor.estimator.sections import Floats, Line
+
+RATE = 100.0
+ROCK = Bit(viscous_friction=12, kinetic_torque=2500, static_torque=6000, stribeck_speed=1.5)
+GUESS = Bit(viscous_friction=5, kinetic_torque=1000, static_torque=1500, stribeck_speed=1.0)
+BARE = Line(np.array([300.0]), np.array([2]), np.zeros(2), np.zeros(2), np.zeros(2))
+TURNING = np.ones(2)
+
+
+def torque_of(bit: Bit, speed: Floats) -> Floats:
+    fall = (bit.static_torque - bit.kinetic_torque) * np.exp(-speed / bit.stribeck_speed)
+    return np.asarray(bit.viscous_friction * speed + bit.kinetic_torque + fall)
+
+
+def feed(learned: Learned, speeds: Floats, torques: Floats, line: Line = BARE, at: Floats = TURNING) -> None:
+    for tick, (speed, torque) in enumerate(zip(speeds, torques, strict=True)):
+        learn(learned, line, at, np.full(3, torque), float(speed), RATE, tick)
+
+
+def told(learned: Learned, speed: float) -> float:
+    viscous, kinetic, static, stribeck = learned.law
+    return float(viscous * speed + kinetic + (static - kinetic) * np.exp(-speed / stribeck))
+
+
+def swinging(seconds: float, seed: int = 1) -> tuple[Floats, Floats]:
+    """A bit that swings between 1 and 20 rad/s, its torque with the noise of a confirmed answer."""
+    random = np.random.default_rng(seed)
+    time = np.arange(round(seconds * RATE)) / RATE
+    speeds = 10.5 + 9.5 * np.sin(2 * np.pi * time / 5)
+    return speeds, torque_of(ROCK, speeds) + 250 * random.standard_normal(len(time))
+
+
+@pytest.mark.parametrize("guess", [GUESS, Bit(), ROCK])
+def test_half_a_minute_of_swinging_tells_the_law_wherever_it_began(guess: Bit) -> None:
+    learned = fresh_law(guess)
+    feed(learned, *swinging(30))
+    for speed in (2.0, 5.0, 10.0, 20.0):
+        assert told(learned, speed) == pytest.approx(float(torque_of(ROCK, np.array(speed))), rel=0.05)
+
+
+def test_one_in_ten_wild_pairs_does_not_sway_it() -> None:
+    learned = fresh_law(GUESS)
+    speeds, torques = swinging(40)
+    torques[::10] += 15e3
+    feed(learned, speeds, torques)
+    for speed in (2.0, 5.0, 15.0):
+        assert told(learned, speed) == pytest.approx(float(torque_of(ROCK, np.array(speed))), rel=0.12)
+
+
+def test_a_stick_tells_the_static_torque() -> None:
+    learned = fresh_law(GUESS)
+    ramp = np.linspace(2e3, 6e3, 200)
+    slip = np.linspace(15, 0.6, 200)
+    for _ in range(6):
+        feed(learned, np.zeros(200), ramp)
+        feed(learned, slip, torque_of(ROCK, slip))
+    assert learned.law[2] == pytest.approx(6000, rel=0.1)
+
+
+def test_torque_that_a_resting_wall_may_hold_is_not_laid_on_the_bit() -> None:
+    """A string that breaks loose after a connection: the bit's torque is unknown by the wall's."""
+    learned = fresh_law(Bit())
+    wall = BARE._replace(static=np.array([0.0, 9e3]))
+    feed(learned, np.zeros(300), np.full(300, 9e3), wall, np.zeros(2))
+    feed(learned, np.full(300, 8.0), np.zeros(300))
+    assert learned.law[2] < 300
+
+
+def test_new_rock_replaces_the_old() -> None:
+    learned = fresh_law(GUESS)
+    feed(learned, *swinging(60))
+    speeds, torques = swinging(120, seed=2)
+    feed(learned, speeds, 0.5 * torques)
+    assert told(learned, 10.0) == pytest.approx(0.5 * float(torque_of(ROCK, np.array(10.0))), rel=0.15)
+
+
+def test_steady_drilling_leaves_what_it_cannot_tell_as_it_was() -> None:
+    learned = fresh_law(ROCK)
+    steady = np.full(12_000, 12.0)
+    feed(learned, steady, torque_of(ROCK, steady))
+    assert learned.law == pytest.approx(
+        [ROCK.viscous_friction, ROCK.kinetic_torque, ROCK.static_torque, ROCK.stribeck_speed], rel=0.35
+    )
+    assert told(learned, 12.0) == pytest.approx(float(torque_of(ROCK, np.array(12.0))), rel=0.01)
+
+
+@settings(max_examples=25)
+@given(st.lists(st.tuples(st.floats(-60, 60), st.floats(-5e4, 5e4)), min_size=1, max_size=200))
+def test_whatever_it_is_fed_the_law_resists(pairs: list[tuple[float, float]]) -> None:
+    """A law that drove the bit would break the string's passivity."""
+    learned = fresh_law(GUESS)
+    feed(learned, *np.array(pairs * 3).T)
+    viscous, kinetic, static, stribeck = learned.law
+    assert np.isfinite(learned.law).all()
+    assert viscous >= 0
+    assert 0 <= kinetic <= static
+    assert stribeck > 0

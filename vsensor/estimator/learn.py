@@ -1,0 +1,200 @@
+"""The load law, learned while running from the bit's own confirmed torque and speed.
+
+For each of a few Stribeck speeds the law is linear in its other three numbers: T = D ω + T_k + ΔT e^(−ω/ω_s).
+Weighted least squares with forgetting keeps their sums; the Stribeck speed whose fit is best wins.
+A stick tells the static torque: the most that the bit withstood before it broke loose.
+Outliers weigh less (Huber 1964), no number may turn negative (coordinate descent, as in Franc,
+Hlaváč and Navara 2005), and what the data does not tell stays as it was.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from vsensor.config import Bit
+from vsensor.estimator.load import Load
+from vsensor.estimator.sections import Floats, Integers, Line
+from vsensor.jit import compiled
+
+STRIBECK_SPEEDS = np.geomspace(0.2, 5.0, 9)
+"""Candidates, rad/s: 2 to 48 rpm, each half as fast again as the one before."""
+
+SLIDING = 0.5
+"""Above this speed (rad/s) a confirmed speed is surely no noise, and the pair tells of sliding."""
+STICK_S = 0.3
+"""A stop of so long is a stick, shorter ones are turning points."""
+STICK_WEIGHT_S = 1.0
+"""A stick counts as much as so many seconds of sliding, or as it lasted if shorter."""
+MEMORY_S = 60.0
+"""Time over which what was learned is forgotten: rock changes within minutes."""
+INERTIA_S = 1.0
+"""So many seconds of data weigh as much as staying with the present law."""
+TYPICAL_SPEED = 10.0
+"""rad/s: makes a change of viscous friction comparable with one of torque."""
+HUBER = 1.5
+"""Residuals beyond so many typical ones count by their size, not its square."""
+EVERY_S = 0.1
+"""How often the law is worked out anew."""
+CONVINCED = 0.98
+"""Another Stribeck speed is taken up only where it leaves less than this share of the squared residual."""
+SWEEPS = 40
+
+VISCOUS, KINETIC, FALL = range(3)
+
+
+class Learned(NamedTuple):
+    """What is kept; C candidates."""
+
+    law: Floats
+    """The law in force: viscous, kinetic, static, Stribeck speed, shape (4,)."""
+    normal: Floats
+    """Sums of weighted products of the regressors, shape (C, 3, 3),"""
+    right: Floats
+    """of regressors and torque, shape (C, 3),"""
+    square: Floats
+    """of torque squared, shape (1,)."""
+    fits: Floats
+    """Each candidate's numbers, shape (C, 3)."""
+    scale: Floats
+    """The typical residual, N·m; then the most torque withstood in the present stop, N·m; shape (2,)."""
+    stop: Integers
+    """Ticks of the present stop, and the candidate in force, shape (2,)."""
+
+
+def fresh_law(bit: Bit) -> Learned:
+    """The configured first guess, nothing learned yet."""
+    candidates = len(STRIBECK_SPEEDS)
+    nearest = int(np.argmin(np.abs(np.log(STRIBECK_SPEEDS / bit.stribeck_speed))))
+    guess = np.array([bit.viscous_friction, bit.kinetic_torque, bit.static_torque - bit.kinetic_torque])
+    return Learned(
+        law=np.array([bit.viscous_friction, bit.kinetic_torque, bit.static_torque, bit.stribeck_speed]),
+        normal=np.zeros((candidates, 3, 3)),
+        right=np.zeros((candidates, 3)),
+        square=np.zeros(1),
+        fits=np.tile(guess, (candidates, 1)),
+        scale=np.array([max(bit.kinetic_torque, 100.0), 0.0]),
+        stop=np.array([0, nearest]),
+    )
+
+
+@compiled
+def load_in_force(learned: Learned, inertia_rate: float) -> Load:
+    """The law as the kernels take it."""
+    law = learned.law
+    return Load(float(law[0]), float(law[1]), float(law[2]), float(law[3]), inertia_rate)
+
+
+@compiled
+def learn(
+    learned: Learned, line: Line, junctions: Floats, torques: Floats, speed: float, rate: float, tick: int
+) -> None:
+    """Take one confirmed pair of bit speed and torque.
+
+    `torques` (3,) is the bit's torque two blurs ago, one blur ago and now, a blur being the time over
+    which the smoother spreads a jump; `junctions` (M + 1,) are the speeds along the string.
+    """
+    torque = torques[2]
+    _forget(learned, math.exp(-1 / (MEMORY_S * rate)))
+    if abs(speed) > SLIDING:
+        if learned.stop[0] >= STICK_S * rate:
+            weight = min(float(learned.stop[0]), STICK_WEIGHT_S * rate)
+            _add(learned, 0.0, learned.scale[1], weight)
+        learned.stop[0] = 0
+        learned.scale[1] = 0.0
+        _slide(learned, abs(speed), math.copysign(torque, torque * speed), rate)
+    else:
+        learned.stop[0] += 1
+        # The smoother rounds off the peak at which the bit breaks loose: what led up to it goes on.
+        ahead = torques[1] + max(0.0, torques[1] - torques[0])
+        learned.scale[1] = ahead - _bound(line, junctions)
+    if tick % max(1, int(EVERY_S * rate)) == 0:
+        _work_out(learned, INERTIA_S * rate)
+
+
+@compiled
+def _forget(learned: Learned, share: float) -> None:
+    learned.normal[:] *= share
+    learned.right[:] *= share
+    learned.square[:] *= share
+
+
+@compiled
+def _slide(learned: Learned, speed: float, torque: float, rate: float) -> None:
+    viscous, kinetic, static, stribeck = learned.law
+    expected = viscous * speed + kinetic + (static - kinetic) * math.exp(-speed / stribeck)
+    miss = abs(torque - expected)
+    limit = HUBER * learned.scale[0]
+    _add(learned, speed, torque, 1.0 if miss <= limit else limit / miss)
+    gain = 1 / (INERTIA_S * rate)
+    learned.scale[0] += gain * (1.25 * min(miss, 2 * limit) - learned.scale[0])
+
+
+@compiled
+def _add(learned: Learned, speed: float, torque: float, weight: float) -> None:
+    row = np.empty(3)
+    row[VISCOUS] = speed
+    row[KINETIC] = 1.0
+    for c in range(STRIBECK_SPEEDS.shape[0]):
+        row[FALL] = math.exp(-speed / STRIBECK_SPEEDS[c])
+        for i in range(3):
+            learned.right[c, i] += weight * row[i] * torque
+            for j in range(3):
+                learned.normal[c, i, j] += weight * row[i] * row[j]
+    learned.square[0] += weight * torque * torque
+
+
+@compiled
+def _bound(line: Line, junctions: Floats) -> float:
+    """Torque that resting parts of the wall may hold, so that it need not be the bit that does."""
+    held = 0.0
+    for junction in range(junctions.shape[0]):
+        if junctions[junction] == 0:
+            held += line.static[junction]
+    return held
+
+
+@compiled
+def _work_out(learned: Learned, inertia: float) -> None:
+    chosen = learned.stop[1]
+    for c in range(STRIBECK_SPEEDS.shape[0]):
+        _fit(learned, c, inertia)
+    for c in range(STRIBECK_SPEEDS.shape[0]):
+        if _residual(learned, c) < CONVINCED * _residual(learned, chosen):
+            chosen = c
+    learned.stop[1] = chosen
+    learned.law[0] = learned.fits[chosen, VISCOUS]
+    learned.law[1] = learned.fits[chosen, KINETIC]
+    learned.law[2] = learned.fits[chosen, KINETIC] + learned.fits[chosen, FALL]
+    learned.law[3] = STRIBECK_SPEEDS[chosen]
+
+
+@compiled
+def _fit(learned: Learned, c: int, inertia: float) -> None:
+    """Least squares over numbers that are not negative, held back by those of before."""
+    p = learned.fits[c]
+    a = learned.normal[c]
+    stay = np.empty(3)
+    pull = np.empty(3)
+    for i in range(3):
+        stay[i] = inertia * (TYPICAL_SPEED**2 if i == VISCOUS else 1.0)
+        pull[i] = learned.right[c, i] + stay[i] * p[i]
+    for _ in range(SWEEPS):
+        for i in range(3):
+            rest = pull[i]
+            for j in range(3):
+                if j != i:
+                    rest -= a[i, j] * p[j]
+            p[i] = max(0.0, rest / (a[i, i] + stay[i]))
+
+
+@compiled
+def _residual(learned: Learned, c: int) -> float:
+    p = learned.fits[c]
+    total = learned.square[0]
+    for i in range(3):
+        total -= 2 * p[i] * learned.right[c, i]
+        for j in range(3):
+            total += p[i] * p[j] * learned.normal[c, i, j]
+    # Below this share of the torque a residual is the rounding of these sums.
+    return float(max(total, 1e-6 * learned.square[0]))
