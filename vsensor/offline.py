@@ -10,21 +10,11 @@ from vsensor.config import Rig
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.kernel import CONFIRMED, FORECAST, NOW, SPEED, SPEED_STD, TORQUE, TORQUE_STD
 from vsensor.intake import NS, Input, Intake
-from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Sample
+from vsensor.messages import Sample
 from vsensor.quality import Reason, verdict
-from vsensor.tables import SurfaceTable
 
 CHUNK = 10_000
 """Ticks given to the estimator at once."""
-
-
-def samples_of(table: SurfaceTable) -> Iterator[tuple[str, Sample]]:
-    """The rows of a surface table as the samples that a rig would have sent."""
-    rows = zip(table.time_s, table.motor_torque_nm, table.motor_speed_rad_s, strict=True)
-    for number, (time_s, torque, speed) in enumerate(rows):
-        time_ns = round(time_s * NS)
-        yield SURFACE_TORQUE, Sample(time_ns=time_ns, value=torque, sequence=number)
-        yield SURFACE_SPEED, Sample(time_ns=time_ns, value=speed, sequence=number)
 
 
 class Offline:
@@ -42,8 +32,7 @@ class Offline:
 
     def _inputs(self, samples: Iterable[tuple[str, Sample]]) -> Iterator[Input]:
         for topic, sample in samples:
-            self.intake.push(topic, sample)
-            yield from self.intake.ready()
+            yield from self.intake.take(topic, sample)
 
     def _run(self, inputs: list[Input]) -> Mapping[str, NDArray[np.generic]]:
         if inputs[0].number == 0:
@@ -57,14 +46,19 @@ class Offline:
         confirmed = times - round(self._estimator.confirmed_delay * NS)
         forecast = times + round(self._estimator.forecast_horizon * NS)
         return {
-            "time_s": times / NS,
-            "confirmed_time_s": np.where(np.isnan(values[:, CONFIRMED]), np.nan, confirmed / NS),
+            "time_s": _seconds(times),
+            "confirmed_time_s": np.where(np.isnan(values[:, CONFIRMED]), np.nan, _seconds(confirmed)),
             **_answer("confirmed", values[:, CONFIRMED:]),
             **_answer("now", values[:, NOW:]),
-            "forecast_time_s": np.where(np.isnan(values[:, FORECAST]), np.nan, forecast / NS),
+            "forecast_time_s": np.where(np.isnan(values[:, FORECAST]), np.nan, _seconds(forecast)),
             **_answer("forecast", values[:, FORECAST:]),
             "quality": np.array([verdict(Reason(int(r))).name.lower() for r in reasons]),
         }
+
+
+def _seconds(times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
+    """The nearest doubles: as doubles before they are divided, the nanoseconds would be rounded twice."""
+    return np.array([time_ns / NS for time_ns in times_ns.tolist()])
 
 
 def _answer(kind: str, columns: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:

@@ -49,12 +49,11 @@ def _rig(source: Path, config: Path | None) -> Rig:
 
 def _samples(source: Path) -> "Iterator[tuple[str, Sample]]":
     from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Sample
-    from vsensor.offline import samples_of
     from vsensor.recording.reader import Session
-    from vsensor.tables import read_surface
+    from vsensor.tables import read_surface, samples
 
     if source.suffix != ".mcap":
-        yield from samples_of(read_surface(source))
+        yield from samples(read_surface(source))
         return
     for topic, message, _, _ in Session(source).messages((SURFACE_TORQUE, SURFACE_SPEED)):
         if isinstance(message, Sample):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 
 from vsensor.config import Rig, effective_toml, load
 
@@ -33,7 +34,7 @@ def run(config: Annotated[Path, typer.Argument(help="The rig: a TOML file.")]) -
         with open_session(rig.bus, "daemon") as session, _recorder(rig, console) as recorder:
             daemon = Daemon(rig, engine, session, recorder)
             _introduce(console, rig, engine.estimator.confirmed_delay, engine.estimator.forecast_horizon)
-            daemon.run(Pace(rig.loop.rate, MonotonicClock()), Teller(console).tell, stopped)
+            daemon.run(Pace(rig.loop.rate, MonotonicClock()), Teller(console, recorder).tell, stopped)
         _account(console, daemon.status)
 
 
@@ -56,9 +57,10 @@ def _recorder(rig: Rig, console: Console) -> "Iterator[Recorder | None]":
         yield recorder
     finally:
         if recorder.close(FINISH_S):
-            console.print(f"recorded {recorder.path}", soft_wrap=True)
+            console.print(f"recorded {escape(recorder.path)}", soft_wrap=True)
         else:
-            console.print(f"[red]not complete:[/] {recorder.path} {recorder.trouble()}", soft_wrap=True)
+            why = escape(recorder.trouble() or recorder.path)
+            console.print(f"[red]not complete:[/] {why}", soft_wrap=True)
 
 
 def _introduce(console: Console, rig: Rig, delay: float, horizon: float) -> None:
@@ -75,9 +77,11 @@ def _introduce(console: Console, rig: Rig, delay: float, horizon: float) -> None
 class Teller:
     """Says each change of state once, rather than each second the same."""
 
-    def __init__(self, console: Console) -> None:
+    def __init__(self, console: Console, recorder: "Recorder | None") -> None:
         self._console = console
+        self._recorder = recorder
         self._state = ""
+        self._trouble = ""
         self._dropped = 0
 
     def tell(self, status: "Status") -> None:
@@ -85,7 +89,10 @@ class Teller:
         if status.state != self._state:
             self._state = status.state
             self._console.print(f"{time.strftime('%H:%M:%S')} {status.state}", highlight=False)
-        if status.recorder_dropped > self._dropped:
+        if self._recorder is not None and (trouble := self._recorder.trouble()) != self._trouble:
+            self._trouble = trouble
+            self._console.print(f"[red]no longer recorded:[/] {escape(trouble)}", soft_wrap=True)
+        if status.recorder_dropped > self._dropped and not self._trouble:
             self._dropped = status.recorder_dropped
             self._console.print(f"[red]not recorded:[/] {self._dropped} messages so far", highlight=False)
 

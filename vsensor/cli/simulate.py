@@ -36,7 +36,7 @@ def simulate(
             SimulatedRig(rig, PLANS[scenario], seed),
             Outbox(session, rig.prefix, reliable=True).put,
             (1 + slot.skipped for slot in Pace(rig.loop.rate, MonotonicClock()).slots()),
-            samples=round(duration * rig.loop.rate),
+            samples=max(1, round(duration * rig.loop.rate)) if duration else 0,
             stopped=stopped,
             truth=truth,
         )

@@ -1,0 +1,93 @@
+"""Cases whose truth is known, from folders outside the repository: read, run and scored."""
+
+import csv
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from vsensor.config import Rig
+from vsensor.offline import Offline
+from vsensor.tables import read_surface, samples
+
+Columns = Mapping[str, NDArray[np.float64]]
+
+
+def folder(variable: str) -> Path:
+    """A data folder outside the repository; where there is none, the test is skipped and says so."""
+    place = os.environ.get(variable)
+    if not place:
+        pytest.skip(f"{variable} names no folder: this data is not part of the repository")
+    return Path(place)
+
+
+def reference_rig(case: Path) -> Rig:
+    """The configuration of a reference case, from its description."""
+    told = json.loads(case.read_text())
+    viscous, kinetic, static, stribeck, _ = told["bit"]["law"]
+    noise = told.get("measure", {"torque_sd": 80.0, "speed_sd": 0.015, "vfd_lag": 0.0})
+    return Rig.model_validate(
+        {
+            "rig": {"name": case.stem},
+            "string": [
+                {
+                    "name": part["name"],
+                    "length": part["length"],
+                    "outer_diameter": 2 * part["ro"],
+                    "inner_diameter": 2 * part["ri"],
+                    "density": part["rho"],
+                    "shear_modulus": part["G"],
+                    "viscous_friction": part.get("c", 0.0),
+                    "coulomb_friction": part.get("fd", part.get("fs", 0.0)),
+                    "static_friction": part.get("fs", 0.0),
+                }
+                for part in told["string"]
+            ],
+            "top_drive": {"inertia": told["top_drive"]["inertia"], "torque_lag": noise["vfd_lag"]},
+            "bit": {
+                "inertia": told["bit"]["inertia"],
+                "viscous_friction": viscous,
+                "kinetic_torque": kinetic,
+                "static_torque": static,
+                "stribeck_speed": stribeck,
+            },
+            "measurement": {"torque_noise": noise["torque_sd"], "speed_noise": noise["speed_sd"]},
+        }
+    )
+
+
+def estimated(rig: Rig, surface: Path) -> Columns:
+    """The estimates table of a surface table."""
+    chunks = list(Offline(rig).estimates(samples(read_surface(surface))))
+    return {name: np.concatenate([np.asarray(chunk[name]) for chunk in chunks]) for name in chunks[0]}
+
+
+def table(path: Path) -> Columns:
+    with path.open(newline="") as file:
+        rows = list(csv.reader(file))
+    return {name: np.array([float(row[i]) for row in rows[1:]]) for i, name in enumerate(rows[0])}
+
+
+def midpoints(when: NDArray[np.float64], speed: NDArray[np.float64], truth: Columns) -> tuple[float, float]:
+    """Rms error and correlation of the midpoints of least and greatest bit speed in each half second.
+
+    The downhole clock of the field record is unknown by up to half a second: the best offset counts.
+    """
+    return min(_midpoints(when, speed, truth, offset) for offset in np.arange(-0.5, 0.501, 0.05))
+
+
+def _midpoints(
+    when: NDArray[np.float64], speed: NDArray[np.float64], truth: Columns, offset: float
+) -> tuple[float, float]:
+    """Rms error and correlation for one guess of the offset between the two clocks."""
+    centre = truth["time_s"] + offset
+    low, high = np.searchsorted(when, centre - 0.25), np.searchsorted(when, centre + 0.25)
+    use = (high - low > 5) & (truth["time_s"] >= 10) & (centre + 0.25 <= when[-1])
+    middle = [(speed[a:b].min() + speed[a:b].max()) / 2 for a, b in zip(low[use], high[use], strict=True)]
+    true = (truth["bit_speed_min_rad_s"] + truth["bit_speed_max_rad_s"])[use] / 2
+    error = np.array(middle) - true
+    return float(np.sqrt(np.mean(error**2))), float(np.corrcoef(middle, true)[0, 1])

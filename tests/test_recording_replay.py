@@ -1,0 +1,161 @@
+"""`vsensor replay` on a real bus: every sample arrives, and the keyboard is obeyed."""
+
+import os
+import pty
+import signal
+import socket
+import subprocess
+import sys
+import termios
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+import zenoh
+
+from vsensor.bus import SurfaceInbox, open_session
+from vsensor.config import Bus
+from vsensor.messages import SENSOR_ALIVE, SURFACE_SPEED, SURFACE_TORQUE, Sample
+from vsensor.recording.writer import SessionWriter
+
+pytestmark = pytest.mark.process
+
+ROWS = 3000
+NS = 1_000_000_000
+PREFIX = "rigs/well-b"
+# A terminal of its own, as a shell would give it.
+ON_A_TERMINAL = (
+    "import fcntl, termios; fcntl.ioctl(0, termios.TIOCSCTTY, 0); from vsensor.cli.main import main; main()"
+)
+
+
+class Rig:
+    """The daemon's ears on a bus of our own."""
+
+    def __init__(self, zenoh_session: zenoh.Session, endpoint: str) -> None:
+        self.endpoint = endpoint
+        self.samples: list[tuple[str, Sample]] = []
+        self._inbox = SurfaceInbox(zenoh_session, PREFIX, (SURFACE_TORQUE, SURFACE_SPEED))
+        self._alive = zenoh_session.liveliness().declare_token(f"{PREFIX}/{SENSOR_ALIVE}")
+
+    def hear(self) -> int:
+        """Take in what has come; how many samples that makes."""
+        for received in self._inbox.drain():
+            assert received.sample is not None
+            self.samples.append((received.topic, received.sample))
+        return len(self.samples)
+
+    def until(self, true: Callable[[], bool], seconds: float = 40.0) -> None:
+        deadline = time.monotonic() + seconds
+        while not true():
+            assert time.monotonic() < deadline, "did not happen in time"
+            self.hear()
+            time.sleep(0.01)
+
+    def until_silent(self) -> None:
+        """Wait until nothing has come for a while (samples of the session are 10 ms apart)."""
+        heard, since = -1, time.monotonic()
+        while time.monotonic() - since < 0.5:
+            if self.hear() != heard:
+                heard, since = self.hear(), time.monotonic()
+            time.sleep(0.01)
+
+
+@pytest.fixture
+def rig() -> Iterator[Rig]:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
+    with open_session(Bus(listen=(endpoint,)), "daemon") as session:
+        yield Rig(session, endpoint)
+
+
+@pytest.fixture
+def recorded(tmp_path: Path) -> Path:
+    path = tmp_path / "a.mcap"
+    with SessionWriter(path, configuration="", metadata={"rig": "well-b"}, compression="zstd") as writer:
+        for number in range(ROWS):
+            time_ns = 1000 * NS + number * 10_000_000
+            for topic in (SURFACE_TORQUE, SURFACE_SPEED):
+                sample = Sample(time_ns=time_ns, value=number, sequence=number)
+                writer.write(topic, sample.SerializeToString(), time_ns, time_ns)
+    return path
+
+
+def replay(rig: Rig, session: Path, *words: str) -> "subprocess.Popen[str]":
+    return subprocess.Popen(
+        [sys.executable, "-m", "vsensor.cli.main", "replay", session, "--connect", rig.endpoint, *words],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def test_every_sample_of_the_piece_arrives_from_the_very_first(rig: Rig, recorded: Path) -> None:
+    with replay(rig, recorded, "--speed", "50", "--start", "10", "--duration", "15") as player:
+        rig.until(lambda: rig.hear() >= 3000)
+        said, complained = player.communicate(timeout=30)
+
+    assert (player.returncode, complained) == (0, "")
+    assert f"3000 samples of {recorded} published on {PREFIX}" in said
+    assert [topic for topic, _ in rig.samples] == [SURFACE_TORQUE, SURFACE_SPEED] * 1500
+    assert [sample.sequence for _, sample in rig.samples[::2]] == list(range(1000, 2500))
+    assert rig.samples[0][1].time_ns == 1010 * NS
+
+
+def test_present_stamps_begin_now(rig: Rig, recorded: Path) -> None:
+    before = time.time_ns()
+    with replay(rig, recorded, "--duration", "0.1", "--present") as player:
+        rig.until(lambda: rig.hear() == 20)
+        player.communicate(timeout=30)
+
+    times = [sample.time_ns for _, sample in rig.samples[::2]]
+    assert before < times[0] < time.time_ns()
+    assert [time_ns - times[0] for time_ns in times] == [10_000_000 * n for n in range(10)]
+
+
+def test_ctrl_c_ends_an_endless_loop_with_its_account(rig: Rig, recorded: Path) -> None:
+    with replay(rig, recorded, "--loop", "--duration", "0.2") as player:
+        rig.until(lambda: rig.hear() > 60)
+        player.send_signal(signal.SIGINT)
+        said, _ = player.communicate(timeout=30)
+
+    assert player.returncode == 0
+    assert "published on rigs/well-b" in said
+    rig.hear()
+    sequences = [sample.sequence for topic, sample in rig.samples if topic == SURFACE_TORQUE]
+    assert sequences == list(range(len(sequences)))
+
+
+def test_the_keyboard_pauses_steps_and_ends_and_the_terminal_is_restored(rig: Rig, recorded: Path) -> None:
+    keys, terminal = pty.openpty()
+    before = termios.tcgetattr(terminal)
+    player = subprocess.Popen(
+        [sys.executable, "-c", ON_A_TERMINAL, "replay", recorded, "--connect", rig.endpoint],
+        stdin=terminal,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+        start_new_session=True,
+    )
+    with player:
+        rig.until(lambda: rig.hear() > 20)
+        os.write(keys, b" ")
+        rig.until_silent()
+        heard = rig.hear()
+        os.write(keys, b"...")
+        rig.until(lambda: rig.hear() == heard + 3)
+        rig.until_silent()
+        assert rig.hear() == heard + 3
+        os.write(keys, b" ")
+        rig.until(lambda: rig.hear() > heard + 20)
+        os.write(keys, b"q")
+        said, _ = player.communicate(timeout=30)
+
+    assert player.returncode == 0
+    assert f"{rig.hear()} samples" in said
+    assert termios.tcgetattr(terminal) == before
+    os.close(terminal)
+    os.close(keys)

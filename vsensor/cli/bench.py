@@ -1,0 +1,97 @@
+"""`vsensor bench`: speed, throughput and lateness, each beside its yardstick."""
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich import box
+from rich import table as rich_table
+from rich.console import Console
+
+if TYPE_CHECKING:
+    from vsensor.bench.table import Cell, Table
+
+
+class Benchmark(StrEnum):
+    """The benchmarks by name."""
+
+    KERNEL = "kernel"
+    OFFLINE = "offline"
+    LIVE = "live"
+
+
+RATES_HZ = (100.0, 1000.0)
+
+
+def bench(
+    which: Annotated[list[Benchmark] | None, typer.Argument(help="By default, all of them.")] = None,
+    *,
+    seconds: Annotated[
+        float,
+        typer.Option(help="To measure for; offline runs 720 s of samples for each of them.", min=0.001),
+    ] = 5.0,
+    rate: Annotated[
+        list[float] | None, typer.Option(help="Hz, for whole ticks and live; by default 100 and 1000.")
+    ] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures to this file.")] = None,
+) -> None:
+    """Measure the kernels beside C, an hour offline, and the sensor at work: losses, lateness, cost."""
+    from vsensor.bench.machine import machine
+
+    console = Console()
+    here = machine()
+    console.print("; ".join(f"{name} {value}" for name, value in here.items()), highlight=False)
+    tables: list[Table] = []
+    with console.status("") as status:
+        for name in which or list(Benchmark):
+            for table in _run(name, seconds, rate or RATES_HZ, status.update):
+                tables.append(table)
+                _show(console, table)
+    if json_file is not None:
+        figures = {"machine": here, "tables": [table.as_dict() for table in tables]}
+        json_file.write_text(json.dumps(figures, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+def _run(
+    name: Benchmark, seconds: float, rates: Sequence[float], say: Callable[[str], None]
+) -> "Iterator[Table]":
+    if name is Benchmark.KERNEL:
+        from vsensor.bench import kernel, tick
+
+        say("the line's kernels, ours and C in turn")
+        yield from kernel.tables(seconds)
+        say("whole ticks")
+        yield from tick.tables(seconds, rates)
+    elif name is Benchmark.OFFLINE:
+        from vsensor.bench import offline
+
+        say("samples of a file, as fast as they go")
+        yield from offline.tables(seconds)
+    else:
+        from vsensor.bench import live
+
+        yield from live.tables(seconds, rates, say)
+
+
+def _show(console: Console, table: "Table") -> None:
+    shown = rich_table.Table(
+        title=table.title, title_justify="left", caption="\n".join(table.notes), box=box.SIMPLE_HEAD
+    )
+    shown.caption_justify = "left"
+    for at, heading in enumerate(table.columns):
+        words = isinstance(table.rows[0][at], str)
+        shown.add_column(heading, justify="left" if words else "right", no_wrap=words, overflow="fold")
+    for row in table.rows:
+        shown.add_row(*map(_shown, row))
+    console.print(shown)
+
+
+def _shown(cell: "Cell") -> str:
+    if cell is None:
+        return "–"
+    if isinstance(cell, float):
+        return f"{cell:,.0f}" if abs(cell) >= 100 else f"{cell:.3g}"
+    return f"{cell:,}" if isinstance(cell, int) else cell

@@ -1,0 +1,69 @@
+"""`vsensor info`: what is in a session."""
+
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+if TYPE_CHECKING:
+    from vsensor.recording.summary import Summary
+
+_UNIX_NS = 10**17
+"""Times before (1973) count from the start of a record, not from 1970."""
+
+
+def info(session: Annotated[Path, typer.Argument(help="A session, whole or torn.")]) -> None:
+    """Say what is in a session."""
+    from vsensor.recording.reader import Session
+
+    recorded = Session(session)
+    summary = recorded.summary()
+    console = Console()
+    table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
+    for name, text in _facts(summary, recorded.configuration is not None).items():
+        table.add_row(name, Text(text))
+    console.print(table)
+    console.print()
+    console.print(_topics(summary))
+
+
+def _facts(summary: "Summary", configured: bool) -> dict[str, str]:
+    torn = f"torn, or still being written: {summary.torn_bytes} bytes at its end cannot be read"
+    facts = {
+        "session": f"{summary.path}, {summary.size_bytes / 1e6:.3g} MB",
+        "state": "complete" if summary.complete else torn,
+        "rig": summary.rig or "not named",
+        "begins": _when(summary.first_ns),
+        "lasts": f"{summary.duration_s:.3f} s",
+        "messages": str(summary.messages),
+        "configuration": "attached" if configured else "none",
+        **{name.replace("_", " "): text for name, text in summary.metadata.items() if name != "rig"},
+    }
+    if summary.recorder:
+        facts["not recorded"] = "unknown" if summary.dropped is None else f"{summary.dropped} messages"
+        facts["ended"] = summary.recorder.get("ended", "unknown")
+    return facts
+
+
+def _when(time_ns: int) -> str:
+    if time_ns < _UNIX_NS:
+        return f"{time_ns / 1e9:.3f} s by a clock of its own"
+    return datetime.fromtimestamp(time_ns / 1e9, UTC).isoformat(sep=" ", timespec="milliseconds")
+
+
+def _topics(summary: "Summary") -> Table:
+    table = Table("topic", "messages", "rate", "first", "last", box=None, padding=(0, 2, 0, 0))
+    for column in table.columns[1:]:
+        column.justify = "right"
+    for topic in summary.topics:
+        table.add_row(
+            Text(topic.topic),
+            str(topic.messages),
+            f"{topic.rate_hz:.4g} Hz",
+            *(f"{(time_ns - summary.first_ns) / 1e9:.3f} s" for time_ns in (topic.first_ns, topic.last_ns)),
+        )
+    return table

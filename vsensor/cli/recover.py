@@ -1,0 +1,24 @@
+"""`vsensor recover`: a torn session mended."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+
+def recover(
+    torn: Annotated[Path, typer.Argument(help="A torn session: NAME.mcap.part, or a damaged NAME.mcap.")],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="The mended one; by default NAME.mcap beside it.")
+    ] = None,
+) -> None:
+    """Write a whole session from what survived of a torn one, which is kept."""
+    from vsensor.recording.recover import recover as mend
+
+    with Console(stderr=True).status(f"reading {torn.name}"):
+        recovered = mend(torn, output)
+    typer.echo(
+        f"{recovered.messages} messages recovered into {recovered.path}; "
+        f"{recovered.lost_bytes} bytes at the end of {torn} could not be read"
+    )

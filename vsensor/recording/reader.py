@@ -1,0 +1,160 @@
+"""Sessions read back: whole ones, and torn ones as far as they go."""
+
+from collections.abc import Collection, Iterable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from google.protobuf.message import DecodeError
+from mcap.reader import make_reader
+from mcap.records import Attachment, Channel, McapRecord, Metadata, Schema
+from mcap.records import Message as McapMessage
+from mcap.summary import Summary as Index
+from mcap.well_known import MessageEncoding
+
+from vsensor.errors import InputError
+from vsensor.messages import Message, message_type
+from vsensor.recording.scan import Scan
+from vsensor.recording.summary import Summary, summarise
+from vsensor.recording.writer import CONFIGURATION, METADATA, RECORDER
+
+_MAGIC = b"\x89MCAP0\r\n"
+_EXPECTED = "a session written by vsensor (NAME.mcap, or NAME.mcap.part where it was torn) was expected"
+
+
+class Record(NamedTuple):
+    """One message of a session."""
+
+    topic: str
+    message: Message
+    log_time_ns: int
+    publish_time_ns: int
+
+
+class Session:
+    """A session's file. Raises InputError, which says what the file is, where it is none.
+
+    `complete` is False for a torn file: its messages end at the tear. `configuration` is the text
+    attached at its start, `metadata` what was noted there, `recorder` what was noted at its end.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        _check_is_mcap(path)
+        self.complete, self._index, found = _open(path)
+        attached = [r for r in found if isinstance(r, Attachment) and r.name == CONFIGURATION]
+        notes = {r.name: r.metadata for r in found if isinstance(r, Metadata)}
+        self.configuration = attached[0].data.decode(errors="replace") if attached else None
+        self.metadata = notes.get(METADATA, {})
+        self.recorder = notes.get(RECORDER, {})
+        self._check_is_ours(found)
+
+    def messages(self, topics: Collection[str] | None = None) -> Iterator[Record]:
+        """Yield the messages of these topics (of all, by default) in the file's order.
+
+        That is the order of arrival, which makes a run over them exact. Topics that we do not know
+        are passed over.
+        Raises InputError for a message that cannot be decoded, and for damage within a complete file.
+        """
+        scan = Scan(self.path)
+        kinds: dict[str, type[Message] | None] = {}
+        numbers: dict[str, int] = {}
+        for schema, channel, message in scan.messages():
+            topic = channel.topic
+            if topics is not None and topic not in topics:
+                continue
+            if topic not in kinds:
+                kinds[topic] = self._kind(schema, channel)
+            kind = kinds[topic]
+            if kind is None:
+                continue
+            numbers[topic] = numbers.get(topic, 0) + 1
+            try:
+                decoded = kind.FromString(message.data)
+            except DecodeError as error:
+                raise InputError(
+                    f"{self.path}: {topic}, message {numbers[topic]}: "
+                    f"cannot be decoded as {kind.DESCRIPTOR.full_name}: {error}"
+                ) from error
+            yield Record(topic, decoded, message.log_time, message.publish_time)
+        if self.complete:
+            self._check_nothing_missed(scan)
+
+    def summary(self) -> Summary:
+        """What is in it; instant for a complete session, one reading of the file for a torn one."""
+        return summarise(self.path, self._index, self.complete, self.metadata, self.recorder)
+
+    def _check_nothing_missed(self, scan: Scan) -> None:
+        """A damaged length makes the library pass over what follows, so the index's count is asked too."""
+        counted = (
+            self._index.statistics.message_count if self._index and self._index.statistics else scan.count
+        )
+        if scan.finished and scan.count == counted:
+            return
+        raise InputError(
+            f"{self.path}: is damaged after byte {scan.whole_bytes}: "
+            f"{scan.fault or f'{scan.count} messages of {counted} are found'}; "
+            f"what is sound in it can be had by: vsensor recover {self.path}"
+        )
+
+    def _kind(self, schema: Schema | None, channel: Channel) -> type[Message] | None:
+        kind = message_type(channel.topic)
+        if kind is None:
+            return None
+        expected = kind.DESCRIPTOR.full_name
+        if schema is None or schema.name != expected or channel.message_encoding != MessageEncoding.Protobuf:
+            raise InputError(
+                f"{self.path}: {channel.topic} holds {_described(channel, schema)}, "
+                f"where {expected} (protobuf) was expected"
+            )
+        return kind
+
+    def _check_is_ours(self, found: Iterable[McapRecord]) -> None:
+        schemas = {r.id: r for r in found if isinstance(r, Schema)}
+        channels = [r for r in found if isinstance(r, Channel)]
+        ours = [c for c in channels if self._kind(schemas.get(c.schema_id), c)]
+        if ours or self.metadata or not (channels or self.complete):
+            return
+        held = ", ".join(f"{c.topic} ({_described(c, schemas.get(c.schema_id))})" for c in channels)
+        raise InputError(f"{self.path}: is an MCAP file that holds {held or 'no messages'}; {_EXPECTED}")
+
+
+def _check_is_mcap(path: Path) -> None:
+    try:
+        with path.open("rb") as file:
+            start = file.read(len(_MAGIC))
+    except FileNotFoundError as error:
+        raise InputError(f"{path}: no such file; {_EXPECTED}") from error
+    except IsADirectoryError as error:
+        raise InputError(f"{path}: is a folder; {_EXPECTED}") from error
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+    if not start:
+        raise InputError(f"{path}: is empty (0 bytes); {_EXPECTED}")
+    if start != _MAGIC[: len(start)]:
+        raise InputError(f"{path}: is no MCAP file (it begins with {start!r}); {_EXPECTED}")
+
+
+def _open(path: Path) -> tuple[bool, Index | None, list[McapRecord]]:
+    """Whether the file is complete, its index if it has one, and what it says of itself."""
+    try:
+        with path.open("rb") as file:
+            reader = make_reader(file)
+            index = reader.get_summary()
+            if index is not None:
+                attached = [*reader.iter_attachments(), *reader.iter_metadata()]
+                return True, index, [*attached, *index.schemas.values(), *index.channels.values()]
+            complete = True
+    except Exception:  # whatever the library meets in a torn index: the file is not complete
+        complete = False
+    return complete, None, list(_before_messages(path))
+
+
+def _before_messages(path: Path) -> Iterator[McapRecord]:
+    for record in Scan(path).records():
+        if isinstance(record, McapMessage):
+            return
+        yield record
+
+
+def _described(channel: Channel, schema: Schema | None) -> str:
+    return f"{schema.name if schema else 'no schema'}, {channel.message_encoding}"

@@ -1,0 +1,85 @@
+"""One reading of an MCAP file from its start, as far as it is whole.
+
+The seeking reader of the library needs the index at a file's end, which a torn file has not, and
+holds a whole file in memory when asked for file order; so messages are always read in this way.
+"""
+
+import io
+from collections.abc import Iterator
+from pathlib import Path
+
+from mcap.exceptions import EndOfFile
+from mcap.records import Channel, Chunk, McapRecord, Message, Schema
+from mcap.stream_reader import StreamReader, breakup_chunk
+
+from vsensor.errors import InputError
+
+
+class _WholeReads(io.BufferedReader):
+    """A file that gives all the bytes asked for, or none: the library does not look."""
+
+    def __init__(self, path: Path, size: int) -> None:
+        super().__init__(io.FileIO(path))
+        self._left = size
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        wanted = self._left if size is None or size < 0 else size
+        if wanted > self._left:  # asked of us by a damaged length: do not make room for it
+            raise EndOfFile
+        self._left -= wanted
+        return super().read(wanted)
+
+
+class Scan:
+    """Reads a file's records until its end or until what cannot be read: a tear, or damage."""
+
+    def __init__(self, path: Path) -> None:
+        self.whole_bytes = 0
+        """Where the last whole record ends."""
+        self.finished = False
+        """Whether the end of a complete file was reached."""
+        self.count = 0
+        """Messages so far."""
+        self.fault = ""
+        """What could not be read, where the reading stopped short."""
+        self._path = path
+
+    def records(self) -> Iterator[McapRecord]:
+        """Yield the records, chunks unpacked, each chunk only when all of it is sound."""
+        try:
+            size = self._path.stat().st_size
+            with _WholeReads(self._path, size) as file:
+                reader = StreamReader(file, emit_chunks=True)
+                yield from self._walk(reader, file)
+        except OSError as error:
+            raise InputError(f"{self._path}: cannot be read: {error.strerror}") from error
+
+    def messages(self) -> Iterator[tuple[Schema | None, Channel, Message]]:
+        """Yield the messages in the order in which they stand in the file."""
+        schemas: dict[int, Schema] = {}
+        channels: dict[int, tuple[Schema | None, Channel]] = {}
+        for record in self.records():
+            if isinstance(record, Message) and record.channel_id in channels:
+                self.count += 1
+                yield (*channels[record.channel_id], record)
+            elif isinstance(record, Schema):
+                schemas[record.id] = record
+            elif isinstance(record, Channel):
+                channels[record.id] = (schemas.get(record.schema_id), record)
+
+    def _walk(self, reader: StreamReader, file: _WholeReads) -> Iterator[McapRecord]:
+        records = reader.records
+        while True:
+            try:
+                record = next(records)
+                inner = breakup_chunk(record, validate_crc=True) if isinstance(record, Chunk) else [record]
+            except StopIteration:
+                self.finished = True
+                return
+            except OSError:
+                raise
+            except Exception as error:  # struct, zstd, lz4, UTF-8, CRC: all mean «not whole»
+                self.fault = str(error) or "it ends in the middle of a record"
+                return
+            self.whole_bytes = file.tell()
+            yield from inner
