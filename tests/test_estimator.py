@@ -213,3 +213,36 @@ def test_one_channel_lost_is_bridged_by_the_load_law_and_its_return_is_seamless(
     confirmed = slice(CONFIRMED, CONFIRMED + 4)
     assert out.values[after, confirmed].tobytes() == answers.values[after, confirmed].tobytes()
     assert {verdict(Reason(int(r))) for r in out.reasons[after]} == {Quality.GOOD}
+
+
+def test_a_saved_state_goes_on_to_the_same_bits(estimator: Estimator, answers: Estimates) -> None:
+    estimator.reset()
+    estimator.run(column("motor_torque")[:2500], column("motor_speed")[:2500])
+    saved = estimator.save()
+    other = Estimator(DRILLING)
+    estimator.run([1e4] * 50, [9.0] * 50)  # what is saved is a copy
+    other.restore(saved)
+    out = other.run(column("motor_torque")[2500:], column("motor_speed")[2500:])
+    assert same(out, Estimates(answers.values[2500:], answers.reasons[2500:]))
+
+
+def test_a_state_of_another_string_is_refused() -> None:
+    with pytest.raises(ValueError, match="waves is float64"):
+        Estimator(DRILLING).restore(Estimator(rig(PIPE, COLLAR)).save())
+    with pytest.raises(ValueError, match="the saved state holds"):
+        Estimator(DRILLING).restore({"waves": np.zeros(3)})
+
+
+def test_a_restart_keeps_what_was_learned_and_forgets_the_waves(
+    estimator: Estimator, answers: Estimates
+) -> None:
+    estimator.reset()
+    estimator.run(column("motor_torque"), column("motor_speed"))
+    learned = estimator.save()["learned.law"]
+    estimator.restart()
+    assert estimator.save()["learned.law"].tolist() == learned.tolist()
+    out = estimator.run(column("motor_torque"), column("motor_speed"))
+    confirmed = slice(CONFIRMED, CONFIRMED + 4)
+    assert out.values[:, confirmed].tobytes() == answers.values[:, confirmed].tobytes()
+    warm = round(estimator.warm_up * DRILLING.loop.rate)
+    assert np.isfinite(out.values[warm, NOW : NOW + 4]).all()  # its error is known from before

@@ -27,7 +27,7 @@ _STALE_SPEED = Reason.STALE_SPEED.bit_length() - 1
 @compiled
 def confirm(model: Model, state: State) -> None:
     """Run the internal steps of this tick, whose input and flags have been entered."""
-    tick = state.counts[0]
+    tick = state.ticks[0]
     width = state.torque.shape[0] // 2
     oldest = (tick + 1) % width
     torque = state.torque[oldest : oldest + width]

@@ -1,5 +1,6 @@
 """The virtual sensor: surface torque and speed in, the bit confirmed, now and foretold out."""
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -8,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from vsensor.config import Bit, Rig
 from vsensor.estimator import kernel
 from vsensor.estimator.sections import Floats, Line, cut, steps_per_tick
-from vsensor.estimator.state import Model, fresh
+from vsensor.estimator.state import LEARNED, Model, fill, flat, fresh
 from vsensor.estimator.top_drive import half_width, smoother
 
 ERROR_MEMORY_S = 60.0
@@ -67,8 +68,26 @@ class Estimator:
         return self._model.steps
 
     def reset(self) -> None:
-        """Forget all input, as at the start."""
+        """Forget everything, as at the start."""
         self._state = fresh(self._model, self._rig.bit)
+
+    def restart(self) -> None:
+        """Forget all input, as after a long gap; what was learned of the rock and of our own errors stays."""
+        before = self._state
+        self.reset()
+        fill(self._state, {k: v for k, v in flat(before).items() if k in LEARNED})
+
+    def save(self) -> dict[str, NDArray[np.generic]]:
+        """The whole state as named arrays: restored, it goes on to the same bits."""
+        return flat(self._state)
+
+    def restore(self, saved: Mapping[str, NDArray[np.generic]]) -> None:
+        """Take up a saved state. Raises ValueError where it is of another string, rate or version."""
+        state = fresh(self._model, self._rig.bit)
+        if saved.keys() != flat(state).keys():
+            raise ValueError(f"the saved state holds {sorted(saved)}, not {sorted(flat(state))}")
+        fill(state, saved)
+        self._state = state
 
     def step(self, torque: float, speed: float, reasons: int = 0) -> tuple[Floats, int]:
         """Run one tick; returns the answers (12,), valid until the next call, and the flags."""

@@ -48,13 +48,13 @@ def advance(
                 _learn(model, state)
         _predict(model, state)
         _answer(model, state, out_reasons[k], out[k])
-        state.counts[0] += 1
+        state.ticks[0] += 1
 
 
 @compiled
 def _enter(state: State, torque: float, speed: float, reasons: int) -> int:
     width = state.torque.shape[0] // 2
-    tick = state.counts[0]
+    tick = state.ticks[0]
     before = (tick - 1) % width
     flags = int(reasons)
     if not math.isfinite(torque):
@@ -72,7 +72,7 @@ def _enter(state: State, torque: float, speed: float, reasons: int) -> int:
 @compiled
 def _lasting(model: Model, state: State, flags: int) -> int:
     """Flags of the confirmed answer: all that were raised on any input that takes part in it."""
-    tick = state.counts[0]
+    tick = state.ticks[0]
     lasting = _WARMING_UP if tick < model.span else 0
     for bit in range(FLAGS):
         if flags >> bit & 1:
@@ -87,19 +87,19 @@ def _lasting(model: Model, state: State, flags: int) -> int:
 @compiled
 def _learn(model: Model, state: State) -> None:
     mask = state.waves.shape[1] - 1
-    newest = state.counts[0] * model.steps + model.steps - 1
+    newest = state.ticks[0] * model.steps + model.steps - 1
     torques = np.empty(3)
     for k in range(3):
         torques[k] = state.confirmed[1, (newest - (2 - k) * model.blur) & mask]
     speed = state.confirmed[0, newest & mask]
-    learn(state.learned, model.line, state.junctions, torques, speed, model.rate, state.counts[0])
+    learn(state.learned, model.line, state.junctions, torques, speed, model.rate, state.ticks[0])
 
 
 @compiled
 def _score(model: Model, state: State) -> None:
     """Hold what was foretold against what is confirmed by now."""
     mask = state.waves.shape[1] - 1
-    newest = state.counts[0] * model.steps + model.steps - 1
+    newest = state.ticks[0] * model.steps + model.steps - 1
     for kind in range(2):
         ahead = model.now if kind == 0 else max(model.now, model.forecast)
         # Only one step of this tick was foretold from the last step of a tick.
@@ -108,8 +108,8 @@ def _score(model: Model, state: State) -> None:
         if tick < model.span:
             continue
         place = tick % state.foretold.shape[2]
-        state.counts[1 + kind] += 1
-        gain = 1.0 / min(state.counts[1 + kind], model.memory)
+        state.scored[kind] += 1
+        gain = 1.0 / min(state.scored[kind], model.memory)
         for q in range(2):
             miss = state.foretold[kind, q, place] - state.confirmed[q, step & mask]
             state.errors[kind, q] += gain * (miss * miss - state.errors[kind, q])
@@ -118,7 +118,7 @@ def _score(model: Model, state: State) -> None:
 @compiled
 def _predict(model: Model, state: State) -> None:
     """March the waves in the string on to now and to the forecast."""
-    known = state.counts[0] * model.steps + model.steps - 1
+    known = state.ticks[0] * model.steps + model.steps - 1
     state.marching[:] = state.junctions
     end = max(model.now, model.forecast)
     march(
@@ -133,7 +133,7 @@ def _predict(model: Model, state: State) -> None:
         state.balances[BIT],
         state.told,
     )
-    place = state.counts[0] % state.foretold.shape[2]
+    place = state.ticks[0] % state.foretold.shape[2]
     for q in range(2):
         state.foretold[0, q, place] = state.told[q, model.now - 1]
         state.foretold[1, q, place] = state.told[q, end - 1]
@@ -146,16 +146,16 @@ def _answer(model: Model, state: State, reasons: int, out: Floats) -> None:
     if reasons & _WARMING_UP:
         return
     by_law = reasons & (_STALE_TORQUE | _STALE_SPEED) != 0
-    newest = (state.counts[0] * model.steps + model.steps - 1) & (state.waves.shape[1] - 1)
-    place = state.counts[0] % state.foretold.shape[2]
+    newest = (state.ticks[0] * model.steps + model.steps - 1) & (state.waves.shape[1] - 1)
+    place = state.ticks[0] % state.foretold.shape[2]
     for q in range(2):
         noise = model.speed_std if q == 0 else model.torque_std
         if not by_law:
             _tell(out, CONFIRMED + 2 * q, state.confirmed[q, newest], noise * noise)
-        elif state.counts[1] > 0:
+        elif state.scored[0] > 0:
             _tell(out, CONFIRMED + 2 * q, state.confirmed[q, newest], noise * noise + state.errors[0, q])
         for kind in range(2):
-            if state.counts[1 + kind] > 0:
+            if state.scored[kind] > 0:
                 # Without a measured bit to set out from, that one's error comes on top.
                 times = 2.0 if by_law else 1.0
                 at = (NOW if kind == 0 else FORECAST) + 2 * q

@@ -1,8 +1,10 @@
 """What the estimator is, and what it remembers: plain arrays, laid out once."""
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vsensor.config import Bit
 from vsensor.estimator.learn import Learned, fresh_law
@@ -13,6 +15,8 @@ FLAGS = 16
 """Room for so many kinds of `quality.Reason`."""
 TOP, BIT = range(2)
 """The two ends that have an inertia of their own."""
+LEARNED = ("errors", "scored", *(f"learned.{name}" for name in Learned._fields))
+"""What stays when the waves are lost."""
 
 
 class Model(NamedTuple):
@@ -63,8 +67,10 @@ class State(NamedTuple):
     """What each tick said of now and of the forecast, a ring, shape (2, 2, ticks)."""
     errors: Floats
     """Running mean square error of now and forecast, of speed and torque, shape (2, 2)."""
-    counts: Integers
-    """Ticks done, then predictions scored of now and of the forecast, shape (3,)."""
+    scored: Integers
+    """Predictions scored so far, of now and of the forecast, shape (2,)."""
+    ticks: Integers
+    """Ticks done, shape (1,)."""
     last_seen: Integers
     """The last tick at which each flag was raised, shape (FLAGS,)."""
     learned: Learned
@@ -91,9 +97,31 @@ def fresh(model: Model, bit: Bit) -> State:
         confirmed=np.zeros((2, size)),
         foretold=np.full((2, 2, end // model.steps + 2), np.nan),
         errors=np.zeros((2, 2)),
-        counts=np.zeros(3, np.int64),
+        scored=np.zeros(2, np.int64),
+        ticks=np.zeros(1, np.int64),
         last_seen=np.full(FLAGS, -(1 << 62), np.int64),
         learned=fresh_law(bit),
         marching=np.zeros(sections + 1),
         told=np.zeros((2, end)),
     )
+
+
+def flat(state: State) -> dict[str, NDArray[np.generic]]:
+    """Copies of a state's arrays by name, those of the learned law as `learned.NAME`."""
+    named = {name: array for name, array in state._asdict().items() if name != "learned"}
+    learned = {f"learned.{name}": array for name, array in state.learned._asdict().items()}
+    return {name: array.copy() for name, array in (named | learned).items()}
+
+
+def fill(state: State, saved: Mapping[str, NDArray[np.generic]]) -> None:
+    """Copy saved arrays into a state. Raises ValueError where one does not fit."""
+    for name, array in saved.items():
+        place = getattr(
+            state.learned if name.startswith("learned.") else state, name.removeprefix("learned.")
+        )
+        if place.shape != array.shape or place.dtype != array.dtype:
+            raise ValueError(
+                f"saved state: {name} is {array.dtype}{array.shape}, the configuration asks for "
+                f"{place.dtype}{place.shape}"
+            )
+        place[...] = array
