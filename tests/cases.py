@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from vsensor.config import Rig
 from vsensor.offline import Offline
-from vsensor.tables import read_surface, samples
+from vsensor.tables import read_surface, surface_samples
 
 Columns = Mapping[str, NDArray[np.float64]]
 
@@ -62,7 +62,7 @@ def reference_rig(case: Path) -> Rig:
 
 def estimated(rig: Rig, surface: Path) -> Columns:
     """The estimates table of a surface table."""
-    chunks = list(Offline(rig).estimates(samples(read_surface(surface))))
+    chunks = list(Offline(rig).estimates(surface_samples(read_surface(surface))))
     return {name: np.concatenate([np.asarray(chunk[name]) for chunk in chunks]) for name in chunks[0]}
 
 

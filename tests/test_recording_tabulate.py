@@ -12,7 +12,7 @@ from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Sample
 from vsensor.recording.reader import Record, Session
 from vsensor.recording.tabulate import surface_table
 from vsensor.recording.writer import SessionWriter
-from vsensor.tables import SurfaceTable, samples
+from vsensor.tables import SurfaceTable, surface_samples
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 
@@ -28,7 +28,7 @@ def rows_of(table: SurfaceTable) -> list[tuple[float, ...]]:
 
 def test_a_row_becomes_torque_then_speed_under_one_number() -> None:
     table = SurfaceTable(np.array([0.01, 1.7e9]), np.array([5.0, 6.0]), np.array([7.0, 8.0]))
-    assert list(samples(table)) == [
+    assert list(surface_samples(table)) == [
         (SURFACE_TORQUE, Sample(time_ns=10_000_000, value=5.0, sequence=0)),
         (SURFACE_SPEED, Sample(time_ns=10_000_000, value=7.0, sequence=0)),
         (SURFACE_TORQUE, Sample(time_ns=1_700_000_000_000_000_000, value=6.0, sequence=1)),
@@ -44,7 +44,7 @@ def test_a_table_through_a_session_comes_back_the_same(rows: dict[int, tuple[flo
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "a.mcap"
         with SessionWriter(path, configuration="", metadata={"rig": "r"}, compression="none") as writer:
-            for topic, sample in samples(table):
+            for topic, sample in surface_samples(table):
                 writer.write(topic, sample.SerializeToString(), sample.time_ns, sample.time_ns)
         back = surface_table(Session(path).messages())
     assert back.time_s.tobytes() == table.time_s.tobytes()

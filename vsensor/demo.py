@@ -79,12 +79,12 @@ def play(
     truth = folder / "truth.csv"
     before = set(rig.recording.folder.glob("*.mcap"))
     with ExitStack() as processes:
-        daemon = processes.enter_context(_process("run", str(config)))
-        _await_ready(daemon)
+        daemon = processes.enter_context(process("run", str(config)))
+        await_ready(daemon)
         if view is not None:
-            processes.enter_context(_process("view", str(config), *view, quiet=False))
+            processes.enter_context(process("view", str(config), *view, quiet=False))
         source = ["simulate", str(config), "--scenario", scenario, "--truth", str(truth)]
-        rig_process = processes.enter_context(_process(*source))
+        rig_process = processes.enter_context(process(*source))
         say(
             f"a rig in {scenario} runs, and the sensor listens to it; "
             + (f"{seconds:g} s to go" if seconds else "Ctrl-C ends it")
@@ -97,41 +97,40 @@ def play(
 
 
 @contextmanager
-def _process(*arguments: str, quiet: bool = True) -> Iterator[subprocess.Popen[str]]:
-    """One of our own commands; ended as Ctrl-C would at the end, and waited for."""
-    process = subprocess.Popen(
+def process(*arguments: str, quiet: bool = True) -> Iterator[subprocess.Popen[str]]:
+    """Run one of our own commands; at the end it is ended as by Ctrl-C, and waited for."""
+    running = subprocess.Popen(
         [sys.executable, "-m", "vsensor.cli.main", *arguments],
         stdout=subprocess.PIPE if quiet else None,
         text=True,
         start_new_session=True,
     )
     try:
-        yield process
+        yield running
     finally:
-        if process.poll() is None:
-            process.send_signal(signal.SIGINT)
+        if running.poll() is None:
+            running.send_signal(signal.SIGINT)
         try:
-            process.communicate(timeout=END_S)
+            running.communicate(timeout=END_S)
         except subprocess.TimeoutExpired:
-            process.kill()
-            process.communicate()
+            running.kill()
+            running.communicate()
 
 
-def _await_ready(daemon: subprocess.Popen[str]) -> None:
+def await_ready(daemon: subprocess.Popen[str]) -> None:
+    """Return when the daemon listens; VsensorError if it ends instead."""
     for line in daemon.stdout or ():
         if line.strip() == "READY":
             return
     raise VsensorError("the daemon ended before it was ready; it said why above")
 
 
-def _wait(
-    seconds: float, stopped: Callable[[], bool], processes: Mapping[str, subprocess.Popen[str]]
-) -> None:
+def _wait(seconds: float, stopped: Callable[[], bool], running: Mapping[str, subprocess.Popen[str]]) -> None:
     end = time.monotonic() + seconds if seconds else float("inf")
     while time.monotonic() < end and not stopped():
-        for name, process in processes.items():
-            if process.poll() is not None:
-                raise VsensorError(f"vsensor {name} ended with status {process.returncode}")
+        for name, one in running.items():
+            if one.poll() is not None:
+                raise VsensorError(f"vsensor {name} ended with status {one.returncode}")
         time.sleep(0.1)
 
 

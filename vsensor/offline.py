@@ -36,7 +36,7 @@ class Offline:
 
     def _run(self, inputs: list[Input]) -> Mapping[str, NDArray[np.generic]]:
         if inputs[0].number == 0:
-            self._estimator.reset()
+            self._estimator.restart()
         times = np.array([given.time_ns for given in inputs])
         values, reasons = self._estimator.run(
             [given.motor_torque for given in inputs],
@@ -52,13 +52,18 @@ class Offline:
             **_answer("now", values[:, NOW:]),
             "forecast_time_s": np.where(np.isnan(values[:, FORECAST]), np.nan, _seconds(forecast)),
             **_answer("forecast", values[:, FORECAST:]),
-            "quality": np.array([verdict(Reason(int(r))).name.lower() for r in reasons]),
+            "quality": _verdicts(reasons),
         }
 
 
 def _seconds(times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
     """The nearest doubles: as doubles before they are divided, the nanoseconds would be rounded twice."""
     return np.array([time_ns / NS for time_ns in times_ns.tolist()])
+
+
+def _verdicts(reasons: NDArray[np.uint32]) -> NDArray[np.str_]:
+    distinct, place = np.unique(reasons, return_inverse=True)
+    return np.array([verdict(Reason(int(flags))).name.lower() for flags in distinct])[place]
 
 
 def _answer(kind: str, columns: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:

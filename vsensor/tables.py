@@ -90,7 +90,7 @@ def read_surface(
     return table
 
 
-def samples(table: SurfaceTable) -> Iterator[tuple[str, Sample]]:
+def surface_samples(table: SurfaceTable) -> Iterator[tuple[str, Sample]]:
     """Yield a table's rows as a rig would send them: torque, then speed, numbered from 0."""
     rows = zip(
         table.time_ns.tolist(), table.motor_torque_nm.tolist(), table.motor_speed_rad_s.tolist(), strict=True

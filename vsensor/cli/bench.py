@@ -3,7 +3,6 @@
 import json
 from collections.abc import Callable, Iterator, Sequence
 from enum import StrEnum
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -36,23 +35,30 @@ def bench(
     rate: Annotated[
         list[float] | None, typer.Option(help="Hz, for whole ticks and live; by default 100 and 1000.")
     ] = None,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures to this file.")] = None,
+    json_file: Annotated[
+        typer.FileTextWrite | None,
+        typer.Option("--json", lazy=False, encoding="utf-8", help="Write the figures to this file."),
+    ] = None,
 ) -> None:
     """Measure the kernels beside C, an hour offline, and the sensor at work: losses, lateness, cost."""
     from vsensor.bench.machine import machine
+    from vsensor.bench.well import deep_well
 
+    rates = rate or RATES_HZ
+    for hz in rates:
+        deep_well(hz)  # an impossible rate is refused before anything is measured
     console = Console()
     here = machine()
     console.print("; ".join(f"{name} {value}" for name, value in here.items()), highlight=False)
     tables: list[Table] = []
     with console.status("") as status:
         for name in which or list(Benchmark):
-            for table in _run(name, seconds, rate or RATES_HZ, status.update):
+            for table in _run(name, seconds, rates, status.update):
                 tables.append(table)
                 _show(console, table)
     if json_file is not None:
         figures = {"machine": here, "tables": [table.as_dict() for table in tables]}
-        json_file.write_text(json.dumps(figures, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        json.dump(figures, json_file, indent=2, ensure_ascii=False)
 
 
 def _run(
@@ -78,12 +84,17 @@ def _run(
 
 def _show(console: Console, table: "Table") -> None:
     shown = rich_table.Table(
-        title=table.title, title_justify="left", caption="\n".join(table.notes), box=box.SIMPLE_HEAD
+        title=table.title,
+        title_justify="left",
+        caption="\n".join(table.notes),
+        caption_justify="left",
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
     )
-    shown.caption_justify = "left"
     for at, heading in enumerate(table.columns):
         words = isinstance(table.rows[0][at], str)
-        shown.add_column(heading, justify="left" if words else "right", no_wrap=words, overflow="fold")
+        longest = max(map(len, heading.split()))
+        shown.add_column(heading, justify="left" if words else "right", no_wrap=words, min_width=longest)
     for row in table.rows:
         shown.add_row(*map(_shown, row))
     console.print(shown)

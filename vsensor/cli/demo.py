@@ -20,7 +20,7 @@ def demo(
     """Show the whole of it: the bit of a simulated rig, seen from the surface."""
     from vsensor import demo as stage
     from vsensor.config import load
-    from vsensor.service.daemon import until_signalled
+    from vsensor.signals import until_signalled
 
     console = Console()
     rig = stage.on_free_port(load(config or stage.example("drilling.toml")))

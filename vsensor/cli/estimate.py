@@ -50,10 +50,10 @@ def _rig(source: Path, config: Path | None) -> Rig:
 def _samples(source: Path) -> "Iterator[tuple[str, Sample]]":
     from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Sample
     from vsensor.recording.reader import Session
-    from vsensor.tables import read_surface, samples
+    from vsensor.tables import read_surface, surface_samples
 
     if source.suffix != ".mcap":
-        yield from samples(read_surface(source))
+        yield from surface_samples(read_surface(source))
         return
     for topic, message, _, _ in Session(source).messages((SURFACE_TORQUE, SURFACE_SPEED)):
         if isinstance(message, Sample):

@@ -25,7 +25,7 @@ def import_(
 ) -> None:
     """Make a session of a table of surface torque and speed."""
     from vsensor.recording.writer import SessionWriter
-    from vsensor.tables import read_surface, samples
+    from vsensor.tables import read_surface, surface_samples
 
     known = load(config) if config else None
     table = read_surface(
@@ -45,7 +45,7 @@ def import_(
         compression="zstd",
     ) as writer:
         rows = track(
-            samples(table),
+            surface_samples(table),
             f"importing {source.name}",
             total=2 * len(table.time_s),
             console=console,

@@ -37,8 +37,8 @@ def replay(
     from vsensor.recording.keyboard import Keyboard
     from vsensor.recording.player import Command, play
     from vsensor.recording.reader import Session
-    from vsensor.service.daemon import until_signalled
     from vsensor.service.pace import MonotonicClock
+    from vsensor.signals import until_signalled
 
     recorded = Session(session)
     bus, prefix = _bus(recorded, rig, connect)

@@ -23,9 +23,10 @@ FINISH_S = 30.0
 def run(config: Annotated[Path, typer.Argument(help="The rig: a TOML file.")]) -> None:
     """Run the virtual sensor beside a rig's telemetry until Ctrl-C or SIGTERM."""
     from vsensor.bus import open_session
-    from vsensor.service.daemon import Daemon, until_signalled
+    from vsensor.service.daemon import Daemon
     from vsensor.service.engine import Engine
     from vsensor.service.pace import MonotonicClock, Pace
+    from vsensor.signals import until_signalled
 
     console = Console()
     rig = load(config)
@@ -102,6 +103,7 @@ def _account(console: Console, status: "Status") -> None:
         f"{status.slots_run} of {status.slots_due} slots run, {status.ticks} ticks, "
         f"{status.published} estimates published, {status.recorder_dropped} messages not recorded",
         highlight=False,
+        soft_wrap=True,
     )
     for channel in status.channels:
         refused = (
@@ -117,4 +119,5 @@ def _account(console: Console, status: "Status") -> None:
             f"{channel.channel}: {channel.received} received, {channel.accepted} accepted, "
             f"{refused} refused, {channel.lost} lost on the way",
             highlight=False,
+            soft_wrap=True,
         )

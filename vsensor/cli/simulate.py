@@ -21,8 +21,8 @@ def simulate(
 ) -> None:
     """Publish surface torque and speed of a simulated rig, as a real one would."""
     from vsensor.bus import Outbox, open_session, wait_for_sensor
-    from vsensor.service.daemon import until_signalled
     from vsensor.service.pace import MonotonicClock, Pace
+    from vsensor.signals import until_signalled
     from vsensor.simulate.broadcast import broadcast
     from vsensor.simulate.rig import SimulatedRig
 

@@ -21,13 +21,15 @@ def view(
     connect: Annotated[str, typer.Option(help="Where the bus is, such as tcp/127.0.0.1:7447.")] = "",
     web: Annotated[bool, typer.Option("--web", help="Serve a page for the browser; no window.")] = False,
     save: Annotated[Path | None, typer.Option(help="Write a Rerun file (.rrd); no window.")] = None,
-    port: Annotated[int | None, typer.Option(help="Of the page: 9090 if free.", min=1, max=65535)] = None,
+    port: Annotated[
+        int | None, typer.Option(help="Port of the page; 9090 if free.", min=1, max=65535)
+    ] = None,
     data_port: Annotated[
-        int | None, typer.Option(help="Of the data: 9876 if free.", min=1, max=65535)
+        int | None, typer.Option(help="Port of the data; 9876 if free.", min=1, max=65535)
     ] = None,
 ) -> None:
     """Show a running sensor live, until Ctrl-C or until the window is closed."""
-    from vsensor.service.daemon import until_signalled
+    from vsensor.signals import until_signalled
     from vsensor.view import place as places
     from vsensor.view.blueprint import blueprint
     from vsensor.view.ears import Ears

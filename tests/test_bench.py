@@ -1,0 +1,204 @@
+"""The benchmarks: each runs at a tiny size and keeps honest books. No speed is asserted."""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from vsensor.bench import kernel, live, offline, stage, tick, wakes
+from vsensor.bench.compiler import FLAGS, NO_COMPILER, compiler
+from vsensor.bench.processes import child_of, processor_s
+from vsensor.bench.rounds import LEAST_ROUNDS, alternate
+from vsensor.bench.table import Table
+from vsensor.bench.well import deep_well
+from vsensor.cli import main
+from vsensor.config import load
+from vsensor.demo import example
+from vsensor.errors import ConfigError, VsensorError
+from vsensor.estimator.estimator import Estimator
+from vsensor.estimator.kernel import CONFIRMED
+from vsensor.messages import Tick
+
+needs_c = pytest.mark.skipif(compiler() is None, reason=NO_COMPILER)
+SHORT_S = 0.01
+
+
+def rows(table: Table) -> list[dict[str, object]]:
+    told = table.as_dict()["rows"]
+    assert isinstance(told, list)
+    return told
+
+
+def test_contestants_take_turns_and_the_order_turns_round() -> None:
+    order: list[str] = []
+    taken = alternate({"a": lambda: order.append("a"), "b": lambda: order.append("b")}, 0)
+    assert order == list("ab" + "abba" * (LEAST_ROUNDS // 2) + "ab" * (LEAST_ROUNDS % 2))
+    assert all(0 < times.least <= times.median for times in taken.values())
+
+
+@needs_c
+def test_the_kernels_are_held_against_c_that_says_the_same() -> None:
+    (table,) = kernel.tables(SHORT_S)
+    told = rows(table)
+    assert [row["kernel"] for row in told] == ["descent"] * 3 + ["march"] * 3
+    for own in (0, 3):
+        assert told[own]["ours / this"] is None
+        for row, flags in zip(told[own + 1 : own + 3], FLAGS, strict=True):
+            assert row["made by"] == f"C, {flags}"
+            assert row["ours / this"] == pytest.approx(told[own]["median, ns"] / row["median, ns"])  # type: ignore[operator]
+
+
+def test_without_a_compiler_there_is_no_ratio_and_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CC", "no-such-compiler")
+    (table,) = kernel.tables(SHORT_S)
+    assert [row["made by"] for row in rows(table)] == ["ours (numba)"] * 2
+    assert NO_COMPILER in table.notes
+
+
+def test_c_that_says_something_else_is_no_yardstick() -> None:
+    case = kernel.deep_case()
+    ours, other = kernel._ours(case), kernel._ours(case)
+    for contestant in (ours, other):
+        contestant.descend()
+        contestant.march()
+    kernel.check(other.results, ours.results, "-O9")
+    other.results.told[1, 7] *= 1 + 1e-9
+    with pytest.raises(VsensorError, match=r"-O9.*differ in told by"):
+        kernel.check(other.results, ours.results, "-O9")
+    other.results.told[1, 7] = np.nan
+    with pytest.raises(VsensorError, match="differ in told by nan"):
+        kernel.check(other.results, ours.results, "-O9")
+
+
+def test_junctions_of_a_march_are_counted_as_it_meets_them() -> None:
+    case = kernel.deep_case()
+    trips, last = case.line.round_trip, len(case.line.impedance) - 1
+    count = highest = 0
+    matters = case.reach - trips[1:].sum()
+    for ahead in range(1, case.reach + 1):
+        while ahead > matters and highest < last:
+            highest += 1
+            matters += trips[highest]
+        count += 1 + last - highest
+    assert kernel.junctions_marched(case) == count
+
+
+def test_a_tick_is_timed_at_each_rate() -> None:
+    (table,) = tick.tables(SHORT_S, (20.0, 50.0))
+    for row, rate in zip(rows(table), (20.0, 50.0), strict=True):
+        assert row["rate, Hz"] == rate
+        called = row["as the daemon calls it, µs"]
+        assert isinstance(called, float)
+        assert row["of its time, %"] == pytest.approx(called * rate / 1e4)
+
+
+def test_the_confirmed_answer_alone_is_the_same_answer() -> None:
+    rate = 10.0
+    estimator = Estimator(deep_well(rate))
+    time = np.arange(round((estimator.warm_up + 3) * rate)) / rate
+    torque, speed = 25e3 + 2e3 * np.sin(time), 12 + np.cos(time)
+    whole, alone = (e.run(torque, speed).values for e in (estimator, tick._confirmed_alone(rate)))
+    assert np.isfinite(whole[-1, CONFIRMED])
+    np.testing.assert_array_equal(whole[:, CONFIRMED], alone[:, CONFIRMED])
+
+
+def test_offline_every_row_becomes_a_tick() -> None:
+    (table,) = offline.tables(SHORT_S)
+    assert "720 rows gave 1440 samples accepted and 720 ticks" in table.notes
+    took = {row["stage"]: row["seconds"] for row in rows(table)}
+    assert all(isinstance(seconds, float) and seconds >= 0 for seconds in took.values())
+    assert rows(table)[2]["times the estimator"] == 1
+
+
+def test_a_minute_is_simulated_and_repeated() -> None:
+    table = offline.surface_table(load(example("drilling.toml")), 6002)
+    assert len(table.time_s) == 6002
+    assert np.diff(table.time_s).min() > 0
+    assert table.motor_torque_nm[6001] == table.motor_torque_nm[1] != table.motor_torque_nm[0]
+
+
+def test_several_ticks_of_one_slot_are_one_turn() -> None:
+    ticks = [Tick(slot=slot, lateness_ns=late) for slot, late in ((7, 50_000), (7, 50_000), (9, 90_000))]
+    woken = wakes.of_ticks(ticks, 3, 1)
+    assert woken.lateness_ns.tolist() == [50_000, 90_000]
+    assert woken.percentile_us(100) == 90
+    assert (woken.due, woken.skipped) == (3, 1)
+
+
+@needs_c
+@pytest.mark.process
+def test_the_bare_loop_keeps_books_of_every_slot(tmp_path: Path) -> None:
+    cc = compiler()
+    assert cc
+    with wakes.bare_loop(wakes.build_bare_loop(cc, tmp_path), 200.0, 0.1) as wait:
+        woken = wait()
+    assert len(woken.lateness_ns) + woken.skipped == woken.due <= 20
+    assert woken.lateness_ns.min() >= 0
+
+
+@needs_c
+@pytest.mark.process
+def test_a_bare_loop_that_failed_is_no_yardstick(tmp_path: Path) -> None:
+    cc = compiler()
+    assert cc
+    with (
+        wakes.bare_loop(wakes.build_bare_loop(cc, tmp_path), 200.0, 0.0) as wait,
+        pytest.raises(VsensorError, match="bare loop"),
+    ):
+        wait()
+
+
+@pytest.mark.process
+def test_a_process_is_known_by_its_parent() -> None:
+    command = ["sh", "-c", "sleep 60 & echo $!; wait"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as shell:
+        assert shell.stdout
+        sleeper = int(shell.stdout.readline())
+        assert child_of(shell.pid) == sleeper
+        with pytest.raises(VsensorError, match=f"process {sleeper} has 0 children"):
+            child_of(sleeper)
+        os.kill(sleeper, 15)
+    assert processor_s(os.getpid()) > 0
+    assert processor_s(shell.pid) == 0
+
+
+@pytest.mark.process
+def test_live_every_sample_is_consumed_recorded_and_made_a_tick_of(tmp_path: Path) -> None:
+    run = stage.run(live.rig_at(50.0), tmp_path, 1.0, None)
+    assert run.published == 200
+    book = live.book(run)
+    assert {book[f"samples {what}"] for what in ("published", "consumed", "recorded")} == {200}
+    assert {book[what] for what in ("ticks due", "ticks run", "estimates recorded")} == {100}
+    assert book["samples lost"] == book["messages not recorded"] == 0
+    assert 0 < len(run.daemon.lateness_ns) <= run.daemon.due
+    assert run.daemon.lateness_ns.min() >= 0
+    assert 0 <= run.processor.recorder + run.processor.daemon <= 2 * run.processor.wall
+
+
+def test_an_impossible_rate_is_refused_before_anything_runs() -> None:
+    with pytest.raises(ConfigError, match=r"--rate 4[\s\S]*bandwidth"):
+        next(live.tables(1.0, [100.0, 4.0], pytest.fail))
+
+
+def test_the_command_prints_and_writes_its_figures(tmp_path: Path) -> None:
+    file = tmp_path / "figures.json"
+    arguments = ["bench", "kernel", "--seconds", "0.01", "--rate", "20", "--json", str(file)]
+    result = CliRunner().invoke(main.app, arguments)
+    assert result.exit_code == 0, result.output
+    assert "descent" in result.output
+    figures = json.loads(file.read_text(encoding="utf-8"))
+    assert figures["machine"]["cores"] == str(os.cpu_count())
+    kernels, ticks = figures["tables"]
+    assert kernels["rows"][0]["median, ns"] > 0
+    assert [row["rate, Hz"] for row in ticks["rows"]] == [20.0]
+
+
+@pytest.mark.parametrize(
+    "arguments", [["all"], ["--rate", "4"], ["--seconds", "0"], ["--json", "no-such-folder/x.json"]]
+)
+def test_wrong_use_of_the_command_is_status_2(arguments: list[str]) -> None:
+    assert CliRunner().invoke(main.app, ["bench", *arguments]).exit_code == 2

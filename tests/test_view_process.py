@@ -1,0 +1,223 @@
+"""`vsensor view` as it is used: it ends when told, leaves nothing behind, and survives its viewer."""
+
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+import urllib.request
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from rerun.chunk import RrdReader
+
+from tests.view_rig import messages
+from vsensor.bus import Outbox, open_session
+from vsensor.config import Bus
+
+pytestmark = pytest.mark.process
+PATIENCE_S = 30.0
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@pytest.fixture
+def endpoint() -> Iterator[str]:
+    """Where a small daemon publishes, over and over, until the test is over."""
+    address = f"tcp/127.0.0.1:{free_port()}"
+    over = threading.Event()
+    with open_session(Bus(listen=(address,)), "daemon") as session:
+        thread = threading.Thread(target=publish, args=(Outbox(session, "rigs/t", reliable=False), over))
+        thread.start()
+        yield address
+        over.set()
+        thread.join()
+
+
+def publish(outbox: Outbox, over: threading.Event) -> None:
+    while not over.is_set():
+        begun_ns = time.time_ns()
+        for topic, message in messages(500, begun_ns):
+            outbox.put(topic, message)
+            if over.wait(0.002):
+                return
+
+
+class View:
+    """A running `vsensor view`, and what it says."""
+
+    def __init__(self, *arguments: str) -> None:
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "vsensor.cli.main", "view", "--rig", "t", *arguments],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            env=os.environ | {"DISPLAY": "", "WAYLAND_DISPLAY": ""},
+        )
+        self.said: list[str] = []
+        self._listener = threading.Thread(target=self._listen)
+        self._listener.start()
+
+    def _listen(self) -> None:
+        assert self.process.stdout is not None
+        with self.process.stdout as words:
+            self.said.extend(words)
+
+    def close(self) -> None:
+        self.process.kill()
+        self.process.wait()
+        self._listener.join()
+
+    def await_words(self, words: str) -> str:
+        until(lambda: any(words in line for line in self.said) or self.process.poll() is not None)
+        assert words in "".join(self.said)
+        return "".join(self.said)
+
+    def viewer(self) -> int:
+        """The process id of the viewer that it has started."""
+        children = Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text().split()
+        assert len(children) == 1
+        return int(children[0])
+
+    def end(self, how: signal.Signals = signal.SIGINT) -> int:
+        self.process.send_signal(how)
+        return self.process.wait(PATIENCE_S)
+
+
+@contextmanager
+def view(*arguments: str) -> Iterator[View]:
+    running = View(*arguments)
+    try:
+        yield running
+    finally:
+        running.close()
+
+
+def until(question: Callable[[], bool]) -> None:
+    end = time.monotonic() + PATIENCE_S
+    while not question():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.02)
+
+
+def gone(pid: int) -> bool:
+    """Whether a process has ended; one that nobody has waited for yet has."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
+    except FileNotFoundError:
+        return True
+
+
+def page(url: str) -> str:
+    with urllib.request.urlopen(url, timeout=PATIENCE_S) as answer:  # noqa: S310 -- our own page
+        return str(answer.read(), "utf-8")
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+def test_a_file_is_complete_when_the_view_is_ended(
+    endpoint: str, tmp_path: Path, how: signal.Signals
+) -> None:
+    file = tmp_path / "view.rrd"
+    with view("--connect", endpoint, "--save", str(file)) as running:
+        running.await_words("listening to rigs/t")
+        begun = file.stat().st_size
+        until(lambda: file.stat().st_size > begun + 150_000)
+        assert running.end(how) == 0
+    rows: dict[str, int] = {}
+    for chunk in RrdReader(file).stream():
+        rows[chunk.entity_path] = rows.get(chunk.entity_path, 0) + chunk.num_rows
+    assert rows["/speed/at_surface"] > 50
+    assert rows["/speed/bit/now"] == rows["/speed/band/now"] > 50
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+def test_the_page_is_served_to_this_machine_alone_and_ends_with_the_view(
+    endpoint: str, how: signal.Signals
+) -> None:
+    with view(
+        "--connect", endpoint, "--web", "--port", str(free_port()), "--data-port", str(free_port())
+    ) as running:
+        said = running.await_words("listening to rigs/t")
+        url = re.findall(r"open (\S+)", said)[0]
+        until(lambda: reachable(url))
+        assert "<html" in page(url)
+        viewer = running.viewer()
+        assert {address for pid in (viewer, running.process.pid) for address in listening(pid)} == {
+            "0100007F"
+        }
+        assert running.end(how) == 0
+        assert gone(viewer)
+
+
+def reachable(url: str) -> bool:
+    try:
+        page(url)
+    except OSError:
+        return False
+    return True
+
+
+def listening(pid: int) -> set[str]:
+    """The addresses, as the kernel writes them, at which a process waits for connections."""
+    inodes = {str(fd.readlink()) for fd in Path(f"/proc/{pid}/fd").iterdir() if fd.is_symlink()}
+    found = set()
+    for table in ("tcp", "tcp6"):
+        for line in Path(f"/proc/{pid}/net/{table}").read_text().splitlines()[1:]:
+            fields = line.split()
+            if fields[3] == "0A" and f"socket:[{fields[9]}]" in inodes:
+                found.add(fields[1].partition(":")[0])
+    return found
+
+
+def test_without_a_display_the_page_is_served_and_said_to_be(endpoint: str) -> None:
+    with view("--connect", endpoint) as running:
+        said = running.await_words("open http://127.0.0.1:")
+        assert "no display" in said
+        assert running.end() == 0
+
+
+def test_a_killed_viewer_is_told_of_and_survived(endpoint: str) -> None:
+    with view("--connect", endpoint, "--web") as running:
+        running.await_words("listening to rigs/t")
+        os.kill(running.viewer(), signal.SIGKILL)
+        running.await_words("the viewer ended with status -9")
+        assert running.process.poll() is None
+        assert running.end() == 0
+
+
+def test_a_frozen_viewer_holds_nothing_up(endpoint: str) -> None:
+    with view("--connect", endpoint, "--web") as running:
+        running.await_words("listening to rigs/t")
+        viewer = running.viewer()
+        os.kill(viewer, signal.SIGSTOP)
+        assert running.end() == 0
+        assert gone(viewer)
+
+
+def test_without_a_daemon_it_says_so_and_waits_until_told_to_end() -> None:
+    with view("--connect", f"tcp/127.0.0.1:{free_port()}", "--web") as running:
+        running.await_words("is the daemon (vsensor run) up?")
+        assert running.end() == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fault"),
+    [
+        (["--connect", "nowhere"], "--connect"),
+        (["--rig", "no/such name"], "--rig"),
+        (["no-such-file.toml"], "no-such-file.toml"),
+    ],
+)
+def test_wrong_use_is_refused_with_what_would_be_right(arguments: list[str], fault: str) -> None:
+    with view(*arguments) as running:
+        assert running.process.wait(PATIENCE_S) == 2
+        running.await_words(fault)

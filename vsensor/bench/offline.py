@@ -1,0 +1,123 @@
+"""An hour of samples through the sensor without a clock, and where the time goes."""
+
+import tempfile
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping
+from itertools import islice
+from pathlib import Path
+from typing import ParamSpec, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vsensor.bench.table import Table
+from vsensor.config import Rig, load
+from vsensor.demo import example
+from vsensor.estimator.estimator import Estimator
+from vsensor.intake import Intake
+from vsensor.messages import Sample
+from vsensor.offline import Offline
+from vsensor.simulate.rig import SimulatedRig
+from vsensor.simulate.scenario import PLANS, Scenario
+from vsensor.tables import SurfaceTable, surface_samples, write_estimates
+
+SPEED_UP = 720
+"""Seconds of samples for each second asked for: five make an hour."""
+SIMULATED_S = 60.0
+"""So much is simulated, then repeated: a rig takes longer to simulate than to sense."""
+CHUNK = 2000
+"""Ticks for which each stage is timed before the next has its turn."""
+
+P = ParamSpec("P")
+R = TypeVar("R")
+Columns = Mapping[str, NDArray[np.generic]]
+
+
+class Stages:
+    """Seconds spent by stage, one entry a chunk."""
+
+    def __init__(self) -> None:
+        self._seconds: defaultdict[str, list[float]] = defaultdict(list)
+
+    def timed(self, stage: str, work: Callable[P, R], *given: P.args, **named: P.kwargs) -> R:
+        """Do a stage's work, and count its time."""
+        begun = time.perf_counter()
+        done = work(*given, **named)
+        self._seconds[stage].append(time.perf_counter() - begun)
+        return done
+
+    def whole(self, stage: str) -> float:
+        """Seconds for all chunks, taken from the middle one: a disturbance in a few does not count."""
+        seconds = self._seconds[stage]
+        return float(np.median(seconds)) * len(seconds)
+
+
+def tables(seconds: float) -> Iterator[Table]:
+    """Run `seconds` · 720 s of simulated samples of the example rig as `vsensor estimate` does."""
+    rig = load(example("drilling.toml"))
+    surface = surface_table(rig, max(1, round(seconds * SPEED_UP * rig.loop.rate)))
+    stages = Stages()
+    ticks, accepted, columns = _run(rig, surface, stages)
+    with tempfile.TemporaryDirectory(prefix="vsensor-bench-") as folder:
+        for kind in ("csv", "parquet"):
+            stages.timed(kind, write_estimates, Path(folder) / f"estimates.{kind}", columns)
+    length = len(surface.time_s) / rig.loop.rate
+    spent = _spent(stages)
+    yield Table(
+        f"Offline: {length:.0f} s of samples at {rig.loop.rate:g} Hz, as fast as it goes",
+        ("stage", "seconds", "µs a tick", "times the estimator"),
+        tuple(
+            (stage, took, took / ticks * 1e6, took / spent["estimator alone"])
+            for stage, took in spent.items()
+        ),
+        (
+            f"{len(surface.time_s)} rows gave {accepted} samples accepted and {ticks} ticks",
+            "the yardstick is the compiled estimator alone, over arrays in memory; the rest is what Offline "
+            "takes beside intake and estimator",
+            f"all of these together run {length / spent['all of these']:.0f} times faster than life",
+        ),
+    )
+
+
+def _spent(stages: Stages) -> dict[str, float]:
+    samples, intake, estimator, offline = map(stages.whole, ("samples", "intake", "estimator", "offline"))
+    return {
+        "rows to samples": samples,
+        "intake alone": intake,
+        "estimator alone": estimator,
+        "the rest: columns, verdicts": max(0.0, offline - intake - estimator),
+        "all of these": samples + offline,
+        "writing CSV": stages.whole("csv"),
+        "writing Parquet": stages.whole("parquet"),
+    }
+
+
+def surface_table(rig: Rig, rows: int) -> SurfaceTable:
+    """Surface samples of a simulated rig in stick-slip, a minute over and over."""
+    simulated = SimulatedRig(rig, PLANS[Scenario.STICK_SLIP], seed=1)
+    minute = [simulated.sample() for _ in range(min(rows, round(SIMULATED_S * rig.loop.rate)))]
+    return SurfaceTable(
+        np.arange(rows) / rig.loop.rate,
+        np.resize([reading.motor_torque for reading in minute], rows),
+        np.resize([reading.motor_speed for reading in minute], rows),
+    )
+
+
+def _run(rig: Rig, surface: SurfaceTable, stages: Stages) -> tuple[int, int, Columns]:
+    """Chunk by chunk: the samples, each stage alone, then all of `Offline` on the same samples."""
+    rows = surface_samples(surface)
+    intake, estimator, offline = Intake(rig), Estimator(rig), Offline(rig)
+    done: list[Columns] = []
+    while samples := stages.timed("samples", list, islice(rows, 2 * CHUNK)):
+        torque, speed = stages.timed("intake", _ticks, intake, samples)
+        stages.timed("estimator", estimator.run, torque, speed)
+        done += stages.timed("offline", list, offline.estimates(samples))
+    columns = {name: np.concatenate([chunk[name] for chunk in done]) for name in done[0]}
+    accepted = sum(channel.counts.accepted for channel in offline.intake.channels.values())
+    return len(columns["time_s"]), accepted, columns
+
+
+def _ticks(intake: Intake, samples: list[tuple[str, Sample]]) -> tuple[list[float], list[float]]:
+    inputs = [given for topic, sample in samples for given in intake.take(topic, sample)]
+    return [given.motor_torque for given in inputs], [given.motor_speed for given in inputs]

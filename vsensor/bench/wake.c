@@ -1,0 +1,51 @@
+/* A bare loop: sleeps until each slot of an absolute grid and notes how late it woke. The yardstick of
+ * `vsensor bench live`; slots that have passed are skipped by the rule of vsensor/service/pace.py.
+ *
+ *     wake RATE_HZ SECONDS
+ *
+ * writes the slot's number and the lateness in ns, two int64 a slot, when all is over. */
+
+#define _POSIX_C_SOURCE 200809L
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+static int64_t now_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return t.tv_sec * INT64_C(1000000000) + t.tv_nsec;
+}
+
+static void sleep_until(int64_t ns)
+{
+    const struct timespec t = {ns / 1000000000, ns % 1000000000};
+    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, NULL);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc != 3)
+        return 2;
+    const double rate = atof(argv[1]);
+    const int64_t slots = llround(rate * atof(argv[2]));
+    int64_t *noted = calloc(2 * slots + 2, sizeof *noted), count = 0;
+    if (!noted)
+        return 1;
+    const int64_t start = now_ns();
+    for (int64_t number = 0;;) {
+        const int64_t due = number + 1, current = (now_ns() - start) * rate / 1e9;
+        number = current > due ? current : due;
+        if (number > slots)
+            break;
+        const int64_t deadline = start + llround(number * 1e9 / rate);
+        sleep_until(deadline);
+        noted[2 * count] = number;
+        noted[2 * count + 1] = now_ns() - deadline;
+        count++;
+    }
+    fwrite(noted, 2 * sizeof *noted, count, stdout);
+    return 0;
+}

@@ -1,0 +1,70 @@
+"""The Rerun recording of the view, and where it goes."""
+
+from collections.abc import Iterable
+from typing import Self
+
+import rerun as rr
+import rerun.blueprint as rrb
+
+from vsensor.view.batches import Batch
+from vsensor.view.place import HOST, Place, ViewError
+from vsensor.view.recording import send
+
+_SERVER_MEMORY = "256MB"
+"""What a viewer that comes late or again is told: some twenty minutes; the oldest is forgotten first."""
+
+
+class Screen:
+    """A recording that is served, written to a file, or both.
+
+    We serve and the viewers draw from us, not the other way round: a frozen viewer does not hold us up
+    (the server drops it after some 20 s, measured), and one that died is opened again on all that was.
+    """
+
+    def __init__(self, name: str, layout: rrb.Blueprint, place: Place) -> None:
+        self._name = name
+        self._layout = layout
+        self._place = place
+        self._recordings: list[rr.RecordingStream] = []
+        self._count = 0
+
+    def __enter__(self) -> Self:
+        self.begin()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for recording in reversed(self._recordings):
+            recording.disconnect()
+
+    def send(self, batches: Iterable[Batch]) -> None:
+        """Show what has come."""
+        for batch in batches:
+            send(self._recordings[-1], batch)
+
+    def begin(self) -> None:
+        """Begin a recording; another one when time falls back, for on one timeline it must not.
+
+        Viewers turn to the new one by themselves; a file gets a number.
+        """
+        if len(self._recordings) > 1:  # the first holds the server, and stays
+            self._recordings.pop().disconnect()
+        self._count += 1
+        recording = rr.RecordingStream("vsensor")
+        try:
+            recording.set_sinks(*self._sinks())
+        except RuntimeError as error:
+            raise ViewError(f"--save {self._place.save}: {error}") from error
+        recording.send_recording_name(self._name)
+        recording.send_blueprint(self._layout)
+        self._recordings.append(recording)
+
+    def _sinks(self) -> list[rr.GrpcServerSink | rr.GrpcSink | rr.FileSink]:
+        sinks: list[rr.GrpcServerSink | rr.GrpcSink | rr.FileSink] = []
+        if self._place.kind != "file":
+            sinks.append(self._server() if self._count == 1 else rr.GrpcSink(self._place.source))
+        if path := self._place.numbered(self._count):
+            sinks.append(rr.FileSink(path))
+        return sinks
+
+    def _server(self) -> rr.GrpcServerSink:
+        return rr.GrpcServerSink(HOST, self._place.data_port, server_memory_limit=_SERVER_MEMORY)
