@@ -24,8 +24,6 @@ class Reason(IntFlag):
     """The speed channel is silent: the string is run by torque alone under the load law."""
     SOURCE_UNCERTAIN = 1 << 4
     """The source itself called a sample less than good."""
-    BEYOND_HORIZON = 1 << 5
-    """The string is so short that the answer reaches past what has left the surface."""
 
     def words(self) -> str:
         """The flags in plain words, comma separated; empty for none."""

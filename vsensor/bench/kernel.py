@@ -145,7 +145,7 @@ def _march_all(
 ) -> None:
     for _ in range(MARCHES):
         speeds[:] = start
-        march(line, load, waves, STEPS - 1, reach, reach, 0.0, speeds, 0.0, told)
+        march(line, load, waves, STEPS - 1, reach, STEPS - 1, reach, 0.0, speeds, 0.0, told)
 
 
 class _Line(ctypes.Structure):

@@ -59,6 +59,6 @@ def _confirmed_alone(rate: float) -> Estimator:
     No user has a reason to ask for that, hence no setting does it.
     """
     estimator = Estimator(deep_well(rate))
-    estimator._model = estimator._model._replace(now=1, forecast=0)
+    estimator._model = estimator._model._replace(now=1, forecast=1)
     estimator.reset()
     return estimator

@@ -13,34 +13,42 @@ from vsensor.estimator.line import REST_SPEED, descend, march, turn_top
 from vsensor.estimator.load import foot, turning
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import BIT, TOP, Model, State
-from vsensor.estimator.top_drive import string_speed, string_torque, turning_torque
+from vsensor.estimator.top_drive import speed_alone, string_speed, string_torque, turning_torque
 from vsensor.jit import compiled
 from vsensor.quality import Reason
 
 EVERY_JUNCTION = 1 << 60
 """A reach for the march that spares no junction."""
 
-_STALE_TORQUE = Reason.STALE_TORQUE.bit_length() - 1
-_STALE_SPEED = Reason.STALE_SPEED.bit_length() - 1
+STALE_TORQUE = Reason.STALE_TORQUE.bit_length() - 1
+STALE_SPEED = Reason.STALE_SPEED.bit_length() - 1
+
+
+@compiled
+def silent(state: State, channel: int) -> bool:
+    """Whether the window still holds a value that was held because its channel was silent."""
+    return bool(state.ticks[0] - state.last_seen[channel] < state.torque.shape[0] // 2)
+
+
+@compiled
+def window(state: State, channel: Floats) -> Floats:
+    """The samples that the smoother sees at this tick, newest last."""
+    width = channel.shape[0] // 2
+    oldest = (state.ticks[0] + 1) % width
+    return channel[oldest : oldest + width]
 
 
 @compiled
 def confirm(model: Model, state: State) -> None:
     """Run the internal steps of this tick, whose input and flags have been entered."""
-    tick = state.ticks[0]
-    width = state.torque.shape[0] // 2
-    oldest = (tick + 1) % width
-    torque = state.torque[oldest : oldest + width]
-    speed = state.speed[oldest : oldest + width]
-    # A channel counts as silent for as long as the smoother's window holds a value that was held.
-    no_torque = tick - state.last_seen[_STALE_TORQUE] < width
-    no_speed = tick - state.last_seen[_STALE_SPEED] < width
+    torque = window(state, state.torque)
+    speed = window(state, state.speed)
     for row in range(model.steps):
-        step = tick * model.steps + row
-        if no_speed:
-            _by_torque(model, state, step, string_torque(model.smooth, row, torque))
-        elif no_torque:
-            _by_speed(model, state, step, string_speed(model.smooth, row, speed))
+        step = state.ticks[0] * model.steps + row
+        if silent(state, STALE_SPEED):
+            _by_torque(model, state, step, string_torque(model.smooth.confirmed, row, torque))
+        elif silent(state, STALE_TORQUE):
+            _by_speed(model, state, step, speed_alone(model.smooth.confirmed, row, speed))
         else:
             _by_both(model, state, step, row, torque, speed)
 
@@ -48,9 +56,11 @@ def confirm(model: Model, state: State) -> None:
 @compiled
 def _by_both(model: Model, state: State, step: int, row: int, torque: Floats, speed: Floats) -> None:
     mask = state.waves.shape[1] - 1
-    accelerates = turning_torque(model.smooth, row, speed)
-    t = string_torque(model.smooth, row, torque) - accelerates
-    w = string_speed(model.smooth, row, speed)
+    smooth = model.smooth.confirmed
+    accelerates = turning_torque(smooth, row, speed)
+    t = string_torque(smooth, row, torque) - accelerates
+    w = string_speed(smooth, row, torque, speed)
+    state.top[0], state.top[1] = t, w
     t, w = descend(model.line, state.waves, state.junctions, step, t, w)
     before = state.confirmed[0, (step - 1) & mask]
     state.confirmed[0, step & mask] = w
@@ -98,6 +108,7 @@ def _march_up(model: Model, state: State, step: int) -> float:
         state.waves,
         step - 1,
         1,
+        step - 1,
         EVERY_JUNCTION,
         0.0,
         state.junctions,

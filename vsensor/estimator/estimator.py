@@ -10,7 +10,7 @@ from vsensor.config import Bit, Rig
 from vsensor.estimator import kernel
 from vsensor.estimator.sections import Floats, Line, cut, steps_per_tick
 from vsensor.estimator.state import LEARNED, Model, fill, flat, fresh
-from vsensor.estimator.top_drive import half_width, smoother
+from vsensor.estimator.top_drive import smoothers
 
 ERROR_MEMORY_S = 60.0
 """Time over which the running error of a prediction forgets: some ten periods of stick-slip."""
@@ -48,7 +48,7 @@ class Estimator:
         step = tick / steps
         self.confirmed_delay = self._model.now * step
         """How long before the tick the confirmed answer is for, s."""
-        self.forecast_horizon = max(self._model.forecast - self._model.now, 0) * step
+        self.forecast_horizon = (self._model.forecast - self._model.now) * step
         """How long after the tick the forecast is for, s."""
         self.warm_up = self._model.span * tick
         """How much input is needed before the first answer, s."""
@@ -117,17 +117,18 @@ class Estimator:
 
 def _model(rig: Rig, line: Line, steps: int) -> Model:
     rate = rig.loop.rate
-    half = half_width(rig.estimator.bandwidth, rate)
+    smooth = smoothers(rig.top_drive, rig.measurement, rig.estimator.bandwidth, rate, steps)
+    window = smooth.confirmed.speed_of_speed.shape[1]
     round_trip = int(line.round_trip.sum())
     return Model(
         line=line,
         bit_rate=2 * rig.bit.inertia * rate * steps,
-        smooth=smoother(rig.top_drive, rig.estimator.bandwidth, rate, steps),
+        smooth=smooth,
         steps=steps,
-        now=half * steps + round_trip // 2,
-        forecast=round_trip,
+        now=smooth.lag * steps + round_trip // 2,
+        forecast=smooth.lag * steps + round_trip,
         # One step more than the waves need, for the bit's acceleration.
-        span=2 * half + -(-(round_trip + 1) // steps) + 1,
+        span=window - 1 + -(-(round_trip + 1) // steps) + 1,
         memory=round(ERROR_MEMORY_S * rate),
         drive_rate=2 * rig.top_drive.inertia * rate * steps,
         rate=rate,

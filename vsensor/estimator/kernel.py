@@ -5,11 +5,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from vsensor.estimator.ahead import predict
 from vsensor.estimator.confirm import confirm
-from vsensor.estimator.learn import learn, load_in_force
-from vsensor.estimator.line import march
+from vsensor.estimator.learn import learn
 from vsensor.estimator.sections import Floats
-from vsensor.estimator.state import BIT, FLAGS, Model, State
+from vsensor.estimator.state import FLAGS, Model, State
 from vsensor.jit import compiled
 from vsensor.quality import Reason
 
@@ -21,7 +21,6 @@ COLUMNS = 12
 _WARMING_UP = int(Reason.WARMING_UP)
 _STALE_TORQUE = int(Reason.STALE_TORQUE)
 _STALE_SPEED = int(Reason.STALE_SPEED)
-_BEYOND_HORIZON = int(Reason.BEYOND_HORIZON)
 
 
 @compiled
@@ -42,11 +41,11 @@ def advance(
         flags = _enter(state, torque[k], speed[k], reasons[k])
         out_reasons[k] = _lasting(model, state, flags)
         confirm(model, state)
-        if not out_reasons[k] & ~_BEYOND_HORIZON:
+        if not out_reasons[k]:
             _score(model, state)
             if model.learns:
                 _learn(model, state)
-        _predict(model, state)
+        predict(model, state)
         _answer(model, state, out_reasons[k], out[k])
         state.ticks[0] += 1
 
@@ -79,8 +78,6 @@ def _lasting(model: Model, state: State, flags: int) -> int:
             state.last_seen[bit] = tick
         if tick - state.last_seen[bit] < model.span:
             lasting |= 1 << bit
-    if model.now > model.forecast:
-        lasting |= _BEYOND_HORIZON
     return lasting
 
 
@@ -101,7 +98,7 @@ def _score(model: Model, state: State) -> None:
     mask = state.waves.shape[1] - 1
     newest = state.ticks[0] * model.steps + model.steps - 1
     for kind in range(2):
-        ahead = model.now if kind == 0 else max(model.now, model.forecast)
+        ahead = model.now if kind == 0 else model.forecast
         # Only one step of this tick was foretold from the last step of a tick.
         tick = (newest - ahead + 1) // model.steps - 1
         step = tick * model.steps + model.steps - 1 + ahead
@@ -113,30 +110,6 @@ def _score(model: Model, state: State) -> None:
         for q in range(2):
             miss = state.foretold[kind, q, place] - state.confirmed[q, step & mask]
             state.errors[kind, q] += gain * (miss * miss - state.errors[kind, q])
-
-
-@compiled
-def _predict(model: Model, state: State) -> None:
-    """March the waves in the string on to now and to the forecast."""
-    known = state.ticks[0] * model.steps + model.steps - 1
-    state.marching[:] = state.junctions
-    end = max(model.now, model.forecast)
-    march(
-        model.line,
-        load_in_force(state.learned, model.bit_rate),
-        state.waves,
-        known,
-        end,
-        end,
-        0.0,
-        state.marching,
-        state.balances[BIT],
-        state.told,
-    )
-    place = state.ticks[0] % state.foretold.shape[2]
-    for q in range(2):
-        state.foretold[0, q, place] = state.told[q, model.now - 1]
-        state.foretold[1, q, place] = state.told[q, end - 1]
 
 
 @compiled

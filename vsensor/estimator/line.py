@@ -32,7 +32,7 @@ def descend(
     """
     mask = waves.shape[1] - 1
     now = step & mask
-    t = torque - _rubbing(line, 0, speed)
+    t = torque - rubbing(line, 0, speed)
     w = speed
     speeds[0] = speed
     for i in range(line.impedance.shape[0]):
@@ -43,13 +43,14 @@ def descend(
         arrived = waves[i, (step - line.round_trip[i]) & mask]
         t = 0.5 * (arrived + g)
         w = 0.5 * (arrived - g) / z
-        t -= _rubbing(line, i + 1, w)
+        t -= rubbing(line, i + 1, w)
         speeds[i + 1] = w
     return t, w
 
 
 @compiled
-def _rubbing(line: Line, junction: int, speed: float) -> float:
+def rubbing(line: Line, junction: int, speed: float) -> float:
+    """Friction of a junction that turns at a confirmed speed, N·m."""
     # min and max would say the same, but cost a seventh of the descent.
     share = -1.0 if speed < -FADE_SPEED else 1.0 if speed > FADE_SPEED else speed / FADE_SPEED
     return float(line.viscous[junction] * speed + line.kinetic[junction] * share)
@@ -62,6 +63,7 @@ def march(
     waves: Floats,
     known: int,
     steps: int,
+    heard: int,
     reach: int,
     external: float,
     speeds: Floats,
@@ -70,10 +72,10 @@ def march(
 ) -> tuple[float, float]:
     """March the string from the bit up by a load law, for `steps` steps after step `known`.
 
-    Enters f of those steps into all sections but the top one, whose f is known up to `known` and
-    taken to stay from then on. `speeds` (M + 1,) and `balance`, J dω/dt of the bit, are the state
-    at `known`; the first is replaced. Each step leaves bit speed and torque in `told` (2, ≥ steps).
-    Only junctions whose wave reaches the bit within `reach` steps matter; None need be spared
+    Enters f of those steps into all sections but the top one, whose f has been heard up to step
+    `heard` and is taken to stay from then on. `speeds` (M + 1,) and `balance`, J dω/dt of the bit,
+    are the state at `known`; the first is replaced. Each step leaves bit speed and torque in `told`
+    (2, ≥ steps). Only junctions whose wave reaches the bit within `reach` steps matter; none is spared
     where that is large. `external` is a further torque on the bit. Returns the wave g that leaves
     the top at the last step, and the new balance.
     """
@@ -89,7 +91,7 @@ def march(
             matters += line.round_trip[highest]
         step = known + ahead
         left = step - line.round_trip[last]
-        f = waves[last, (min(left, known) if last == 0 else left) & mask] - external
+        f = waves[last, (min(left, heard) if last == 0 else left) & mask] - external
         w, balance = turn_bit(load, at, f, speeds[last + 1], balance)
         speeds[last + 1] = w
         told[0, ahead - 1] = w
@@ -99,7 +101,7 @@ def march(
             if i < 0:  # never so; but said, it spares the compiler its care for negative indices: a fifth
                 break
             left = step - line.round_trip[i]
-            f = waves[i, (min(left, known) if i == 0 else left) & mask]
+            f = waves[i, (min(left, heard) if i == 0 else left) & mask]
             z = line.impedance[i]
             below = line.impedance[i + 1]
             w = contact(

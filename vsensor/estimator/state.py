@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from vsensor.config import Bit
 from vsensor.estimator.learn import Learned, fresh_law
 from vsensor.estimator.sections import Floats, Integers, Line
-from vsensor.estimator.top_drive import Smoother
+from vsensor.estimator.top_drive import Smoothers
 
 FLAGS = 16
 """Room for so many kinds of `quality.Reason`."""
@@ -25,12 +25,12 @@ class Model(NamedTuple):
     line: Line
     bit_rate: float
     """2 J / Δt of the bit, N·m·s/rad: what its inertia adds to an impedance (trapezoid rule)."""
-    smooth: Smoother
+    smooth: Smoothers
     steps: int
     now: int
     """From a confirmed step to the present: the smoother's lag and the line's one-way delay."""
     forecast: int
-    """From a confirmed step to the last that the waves in the string reach: the line's round trip."""
+    """From a confirmed step to the last that waves already sent reach: the lag and the line's round trip."""
     span: int
     """Ticks for which an input takes part in the confirmed answer."""
     memory: int
@@ -59,6 +59,8 @@ class State(NamedTuple):
     """The wave f at the top of each section by internal step, shape (M, size), size a power of two."""
     junctions: Floats
     """Speed of each junction at the last confirmed step, 0 for one at rest, shape (M + 1,)."""
+    top: Floats
+    """Torque, N·m, and speed, rad/s, of the string's top at that step, shape (2,)."""
     balances: Floats
     """J dω/dt of top drive and bit at that step, N·m, shape (2,)."""
     confirmed: Floats
@@ -83,9 +85,9 @@ class State(NamedTuple):
 
 def fresh(model: Model, bit: Bit) -> State:
     """The state before the first tick."""
-    width = model.smooth.speed_of_speed.shape[1]
+    width = model.smooth.confirmed.speed_of_speed.shape[1]
     sections = len(model.line.impedance)
-    end = max(model.now, model.forecast)
+    end = max(model.forecast, model.smooth.lag * model.steps)
     longest = int(model.line.round_trip.max())
     size = 1 << int(end + longest + model.steps).bit_length()
     return State(
@@ -93,6 +95,7 @@ def fresh(model: Model, bit: Bit) -> State:
         speed=np.zeros(2 * width),
         waves=np.zeros((sections, size)),
         junctions=np.zeros(sections + 1),
+        top=np.zeros(2),
         balances=np.zeros(2),
         confirmed=np.zeros((2, size)),
         foretold=np.full((2, 2, end // model.steps + 2), np.nan),
