@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.up-to-date
 
-.PHONY: demo test check bench accuracy proto clean
+.PHONY: demo test check bench accuracy pictures proto clean
 
 demo: $(STAMP)
 	$(BIN)/vsensor demo $(ARGS)
