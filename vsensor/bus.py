@@ -4,12 +4,13 @@ import json
 import time
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 import zenoh
 
 from vsensor.config import Bus
-from vsensor.errors import BusError
+from vsensor.errors import BusError, ConfigError
 from vsensor.messages import SENSOR_ALIVE, SURFACE, Message, Sample, message_type, surface
 
 INBOX_CAPACITY = 1 << 16
@@ -19,18 +20,20 @@ INBOX_CAPACITY = 1 << 16
 def open_session(bus: Bus, role: Literal["daemon", "client"]) -> zenoh.Session:
     """Open a session: the daemon listens and routes among its clients; a client connects to it.
 
-    Use it in a `with`: a session left open keeps the process from ending. Raises BusError.
+    Use it in a `with`: a session left open keeps the process from ending. Raises BusError, and
+    ConfigError where the file of Zenoh's own settings cannot be read.
     """
+    config = _zenoh_config(bus, role)
     try:
-        return zenoh.open(_zenoh_config(bus, role))
+        return zenoh.open(config)
     except zenoh.ZError as error:
         ends = ", ".join(bus.listen if role == "daemon" else bus.connect or bus.listen)
         hint = "is the port taken?" if role == "daemon" else "is the daemon (vsensor run) up?"
-        raise BusError(f"no bus at {ends}: {hint} ({_brief(error)})") from error
+        raise BusError(f"no bus at {ends}: {hint} ({_without_place(error)})") from error
 
 
 def _zenoh_config(bus: Bus, role: Literal["daemon", "client"]) -> zenoh.Config:
-    config = zenoh.Config.from_file(bus.zenoh_config) if bus.zenoh_config else zenoh.Config()
+    config = zenoh.Config() if bus.zenoh_config is None else _from_file(bus.zenoh_config)
     listen = list(bus.listen) if role == "daemon" else []
     connect = list(bus.connect) if role == "daemon" else list(bus.connect or bus.listen)
     settings: dict[str, object] = {
@@ -45,8 +48,17 @@ def _zenoh_config(bus: Bus, role: Literal["daemon", "client"]) -> zenoh.Config:
     return config
 
 
-def _brief(error: zenoh.ZError) -> str:
-    return str(error).splitlines()[0].split(" at /")[0]
+def _from_file(path: Path) -> zenoh.Config:
+    try:
+        return zenoh.Config.from_file(path)
+    except zenoh.ZError as error:
+        why = _without_place(error)
+        raise ConfigError(f"bus.zenoh_config {path}: is no Zenoh configuration (JSON5): {why}") from error
+
+
+def _without_place(error: zenoh.ZError) -> str:
+    """Zenoh's message without the line of its own source."""
+    return str(error).split(" at /")[0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,8 +82,10 @@ class SurfaceInbox:
         )
 
     def drain(self) -> Iterator[Received]:
-        """Yield what has come since the last call; never waits."""
-        while (raw := self._subscriber.try_recv()) is not None:
+        """Yield what has come since the last call; never waits, and ends even if ever more comes."""
+        for _ in range(INBOX_CAPACITY):
+            if (raw := self._subscriber.try_recv()) is None:
+                return
             topic = str(raw.key_expr)[self._skip :]
             if topic not in self._topics:
                 continue

@@ -1,7 +1,7 @@
 """The demonstration: real processes over a real bus, and an account of how near the estimate came."""
 
+import math
 import os
-import signal
 import socket
 import subprocess
 import sys
@@ -98,7 +98,10 @@ def play(
 
 @contextmanager
 def process(*arguments: str, quiet: bool = True) -> Iterator[subprocess.Popen[str]]:
-    """Run one of our own commands; at the end it is ended as by Ctrl-C, and waited for."""
+    """Run one of our own commands; at the end it is ended by SIGTERM, and waited for.
+
+    Not as by Ctrl-C: a process that is still importing may swallow Python's KeyboardInterrupt.
+    """
     running = subprocess.Popen(
         [sys.executable, "-m", "vsensor.cli.main", *arguments],
         stdout=subprocess.PIPE if quiet else None,
@@ -109,7 +112,7 @@ def process(*arguments: str, quiet: bool = True) -> Iterator[subprocess.Popen[st
         yield running
     finally:
         if running.poll() is None:
-            running.send_signal(signal.SIGINT)
+            running.terminate()
         try:
             running.communicate(timeout=END_S)
         except subprocess.TimeoutExpired:
@@ -139,7 +142,6 @@ def account(rig: Rig, played: Played) -> str:
     session = Session(played.session)
     ticks = sum(1 for _ in session.messages((SENSOR_TICK,)))
     estimates = [r.message for r in session.messages((BIT_ESTIMATE,)) if isinstance(r.message, Estimate)]
-    truth = np.genfromtxt(played.truth, delimiter=",", names=True)
     lines = [
         f"ticks               {ticks}",
         f"estimates published {len(estimates)}",
@@ -149,12 +151,15 @@ def account(rig: Rig, played: Played) -> str:
     if len(speeds) == 0:
         return "\n".join([*lines, "too short for an answer: the waves need time to reach the bit and return"])
     window = speeds[-round(rig.estimator.severity_window * rig.loop.rate) :]
+    worst = severity(window)
     lines += [
         f"bit speed           {speeds.min() * RPM:.0f} … {speeds.max() * RPM:.0f} rpm (confirmed)",
-        f"severity            {severity(window):.2f}  = (max − min) / (2 mean) over the last "
-        f"{len(window) / rig.loop.rate:.0f} s; from 1 on the bit stops",
+        f"severity            {'none: the bit rests' if math.isnan(worst) else f'{worst:.2f}'}"
+        "  = (max − min) / (2 mean)"
+        f" over the last {len(window) / rig.loop.rate:.0f} s; from 1 on the bit stops",
         "error against the simulated truth, rms:",
     ]
+    truth = np.genfromtxt(played.truth, delimiter=",", names=True)
     return "\n".join([*lines, *(_error(kind, estimates, truth) for kind in ("confirmed", "now", "forecast"))])
 
 
@@ -164,7 +169,7 @@ def _error(kind: str, estimates: list[Estimate], truth: NDArray[np.void]) -> str
     times = np.array([getattr(e, when) / 1e9 for e in known])
     inside = (times >= truth["time_s"][0]) & (times <= truth["time_s"][-1])
     if not inside.any():
-        return f"  {kind:<17} not told yet"
+        return f"  {kind:<17} none yet that the truth could be held against"
 
     def rms(field: str, column: str) -> float:
         told = np.array([getattr(e, f"{kind}_bit_{field}") for e in known])[inside]

@@ -17,6 +17,13 @@ from vsensor.quality import Quality, Reason
 
 NS = 1_000_000_000
 
+FARTHEST_NS = 1 << 62
+"""A time beyond 146 years from 1970 is none: near the end of its 64 bits, a forecast's would not fit."""
+LONGEST_HOLE = 1_000_000
+"""A greater leap in the sequence is another publisher's count, and no loss."""
+REMEMBERED = 1000
+"""How far back a missing sample's number is known, so that it is no loss if it only comes late."""
+
 
 class Input(NamedTuple):
     """What the estimator is given at one tick."""
@@ -57,6 +64,7 @@ class Channel:
         self.stale = stale
         self._limit = limit
         self._next_sequence: int | None = None
+        self._missing: set[int] = set()
         self.forget()
 
     def forget(self) -> None:
@@ -80,19 +88,29 @@ class Channel:
             return True
         return False
 
-    def number(self, sample: Sample) -> None:
+    def follow(self, sample: Sample) -> None:
         """Follow the sequence: a hole is a loss, until the missing one comes late after all."""
         if not sample.HasField("sequence"):
             return
-        expected, given = self._next_sequence, sample.sequence
-        newest = self.newest_ns
-        if expected is not None and given < expected and newest is not None and sample.time_ns <= newest:
-            known = any(point.time_ns == sample.time_ns for point in self.points)
-            self.counts.lost -= 0 if known or self.counts.lost == 0 else 1
-            return
-        if expected is not None and given > expected:
-            self.counts.lost += given - expected
-        self._next_sequence = given + 1
+        given = sample.sequence
+        ahead = 0 if self._next_sequence is None else given - self._next_sequence
+        if given in self._missing:
+            self._missing.remove(given)
+            self.counts.lost -= 1
+        elif 0 <= ahead <= LONGEST_HOLE:
+            self.counts.lost += ahead
+            self._remember(given, ahead)
+            self._next_sequence = given + 1
+        elif ahead > 0 or (ahead < -1 and sample.time_ns == self.newest_ns):
+            # A low number with the newest time: the publisher has begun to count anew.
+            self._missing.clear()
+            self._next_sequence = given + 1
+
+    def _remember(self, given: int, missing: int) -> None:
+        if missing:
+            known = given - REMEMBERED
+            self._missing = {number for number in self._missing if number >= known}
+            self._missing.update(range(max(given - missing, known), given))
 
     def accept(self, sample: Sample, consumed_ns: int | None) -> None:
         """Keep a sample in its place in time, unless that has passed or is taken."""
@@ -111,10 +129,14 @@ class Channel:
             insort(self.points, point)
         self.counts.accepted += 1
 
-    def at(self, time_ns: int, max_gap_ns: int) -> tuple[float, Reason] | None:
-        """The value at a time by a straight line between its neighbours; None where not reached yet."""
+    def let_go(self, time_ns: int) -> None:
+        """Drop what lies before a time, but for the last of it."""
         while len(self.points) > 1 and self.points[1].time_ns <= time_ns:
             del self.points[0]
+
+    def at(self, time_ns: int, max_gap_ns: int) -> tuple[float, Reason] | None:
+        """The value at a time by a straight line between its neighbours; None where not reached yet."""
+        self.let_go(time_ns)
         before = self.points[0]
         if before.time_ns == time_ns:
             return before.value, before.reasons
@@ -127,6 +149,15 @@ class Channel:
             reasons |= Reason.GAP_BRIDGED
         share = (time_ns - before.time_ns) / gap
         return before.value + share * (after.value - before.value), reasons
+
+    def has_gone_on(self, time_ns: int, max_gap_ns: int) -> bool:
+        """Whether samples reach further than a gap past the first at or after a time.
+
+        Past the time itself would not do: where both channels were silent, or are slow, one of
+        them is the first to speak again, and the other a moment behind it.
+        """
+        following = next((point for point in self.points if point.time_ns >= time_ns), None)
+        return following is not None and self.points[-1].time_ns > following.time_ns + max_gap_ns
 
     def held(self) -> tuple[float, Reason]:
         """The last value, for a channel that has fallen silent."""
@@ -157,16 +188,20 @@ class Intake:
         for channel in self.channels.values():
             channel.forget()
 
-    def push(self, topic: str, sample: Sample | None) -> None:
-        """Take one sample in the order of arrival; None for one that could not be read."""
+    def take(self, topic: str, sample: Sample | None) -> list[Input]:
+        """Take one sample in the order of arrival, None for one that could not be read.
+
+        Returns each tick that both channels have now reached, or that one has left far behind.
+        """
         channel = self.channels[topic]
         channel.counts.received += 1
         if sample is None:
             channel.counts.unreadable += 1
-            return
-        channel.number(sample)
+            return []
         if channel.believes(sample) and self._in_time(topic, channel, sample.time_ns):
             channel.accept(sample, self._consumed_ns)
+        channel.follow(sample)
+        return list(self._ready())
 
     def _in_time(self, topic: str, channel: Channel, time_ns: int) -> bool:
         """Whether a time follows from what came before.
@@ -174,6 +209,9 @@ class Intake:
         One sample with a time far off is refused. A second that follows it means that the source's
         clock was set, or that the link was cut for long: then all begins anew.
         """
+        if abs(time_ns) > FARTHEST_NS:
+            channel.counts.jumped += 1
+            return False
         times = [t for c in self.channels.values() if (t := c.newest_ns) is not None]
         own = channel.newest_ns
         if not times or (own is None and min(times) - self._restart_gap_ns <= time_ns):
@@ -184,7 +222,7 @@ class Intake:
             self._jump_ns.pop(topic, None)
             return True
         before = self._jump_ns.get(topic)
-        if before is None or not before < time_ns <= before + self._max_gap_ns:
+        if before is None or not before < time_ns <= before + self._restart_gap_ns:
             self._jump_ns[topic] = time_ns
             channel.counts.jumped += 1
             return False
@@ -193,20 +231,22 @@ class Intake:
         self.restarts += 1
         return True
 
-    def ready(self) -> Iterator[Input]:
-        """Give out each tick that both channels have reached, or that one has left far behind."""
+    def _ready(self) -> Iterator[Input]:
         while (given := self._next()) is not None:
             yield given
 
     def _next(self) -> Input | None:
-        torque_ns, speed_ns = self._torque.newest_ns, self._speed.newest_ns
-        if torque_ns is None or speed_ns is None:
+        if not self._torque.points or not self._speed.points:
+            # One alone may speak for hours. No tick will lie further back than where the other may begin.
+            for channel in self.channels.values():
+                if channel.newest_ns is not None:
+                    channel.let_go(channel.newest_ns - self._restart_gap_ns)
             return None
         if self._anchor_ns is None:
             self._anchor_ns = max(self._torque.points[0].time_ns, self._speed.points[0].time_ns)
-        time_ns = self._anchor_ns + math.floor(self._number * self._period)
-        torque = self._value(self._torque, time_ns, speed_ns)
-        speed = self._value(self._speed, time_ns, torque_ns)
+        time_ns = self._anchor_ns + self._number * self._period.numerator // self._period.denominator
+        torque = self._value(self._torque, self._speed, time_ns)
+        speed = self._value(self._speed, self._torque, time_ns)
         if torque is None or speed is None:
             return None
         given = Input(self._number, time_ns, torque[0], speed[0], torque[1] | speed[1])
@@ -214,8 +254,8 @@ class Intake:
         self._consumed_ns = time_ns
         return given
 
-    def _value(self, channel: Channel, time_ns: int, other_ns: int) -> tuple[float, Reason] | None:
+    def _value(self, channel: Channel, other: Channel, time_ns: int) -> tuple[float, Reason] | None:
         value = channel.at(time_ns, self._max_gap_ns)
-        if value is None and other_ns > time_ns + self._max_gap_ns:
+        if value is None and other.has_gone_on(time_ns, self._max_gap_ns):
             return channel.held()
         return value

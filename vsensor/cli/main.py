@@ -24,6 +24,7 @@ COMMANDS = {
     "export": "Make a table of a session.",
     "info": "Say what is in a session.",
     "recover": "Mend a torn session.",
+    "paper": "Reproduce the paper's figures and tables, and judge them.",
     "bench": "Measure speed and lateness, each beside its yardstick.",
 }
 

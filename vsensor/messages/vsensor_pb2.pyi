@@ -132,7 +132,7 @@ class Tick(_message.Message):
     lateness_ns: _builtins.int
     """wake-up after the slot's deadline"""
     caught_up: _builtins.bool
-    """run late, in the slot after some that the loop had to skip"""
+    """run late, for a slot that the loop had to skip"""
     def __init__(
         self,
         *,

@@ -1,10 +1,9 @@
 """The daemon: drain what has come, step, publish, record, and never wait for anyone."""
 
-import signal
+import gc
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import Protocol
 
 import zenoh
@@ -54,37 +53,54 @@ class Daemon:
         self._recorder = recorder
         self._inbox = SurfaceInbox(session, rig.prefix, engine.intake.channels)
         self._outbox = Outbox(session, rig.prefix, reliable=False)
-        self._watch = Watch()
+        self._watch = Watch(rig, engine.estimator.confirmed_delay)
         self.health = Health(rig, engine)
         self.status = self.health.status("starting", recorder)
         self._per_second = round(rig.loop.rate)
+        self._owed = 0
+        self._owed_until = 0
         self._queryable = session.declare_queryable(f"{rig.prefix}/{SENSOR_STATUS}", self._reply)
         self._alive = session.liveliness().declare_token(f"{rig.prefix}/{SENSOR_ALIVE}")
 
     def run(self, pace: Pace, told: Callable[[Status], None], stopped: Callable[[], bool]) -> None:
         """Turn once each slot until told to stop; `told` hears the status of each second."""
         sys.setswitchinterval(SWITCH_INTERVAL_S)
+        # What was made to start with stays: a full collection would walk over it for a tenth of a second.
+        gc.collect()
+        gc.freeze()
         second = 0
         for slot in pace.slots():
             begun = time.monotonic_ns()
+            self.health.begin(slot)
             self._turn(slot)
             if slot.number // self._per_second > second:
                 second = slot.number // self._per_second
                 self._each_second()
                 told(self.status)
             self._hand_on()
-            self.health.slot(slot, time.monotonic_ns() - begun)
+            self.health.end(time.monotonic_ns() - begun)
             if stopped():
                 break
         self._each_second()
         self._hand_on()
 
     def _turn(self, slot: Slot) -> None:
+        self._count_owed(slot)
         for received in self._inbox.drain():
             self._record_received(received)
             for tick, estimate in self._engine.take(received.topic, received.sample):
-                tick.slot, tick.lateness_ns, tick.caught_up = slot.number, slot.lateness_ns, slot.skipped > 0
+                tick.slot, tick.lateness_ns, tick.caught_up = slot.number, slot.lateness_ns, self._owed > 0
+                self._owed = max(self._owed - 1, 0)
                 self._publish_tick(tick, estimate)
+        self.health.listen()
+
+    def _count_owed(self, slot: Slot) -> None:
+        """A tick is owed for each slot that was skipped; what has not come a second later never was."""
+        if slot.skipped:
+            self._owed += slot.skipped
+            self._owed_until = slot.number + self._per_second
+        elif slot.number > self._owed_until:
+            self._owed = 0
 
     def _publish_tick(self, tick: Tick, estimate: Estimate) -> None:
         self.health.ticks += 1
@@ -98,7 +114,6 @@ class Daemon:
         self.health.published += 1
 
     def _each_second(self) -> None:
-        self.health.listen()
         for event in self._watch.second(self.health.severity, self.health.input_lost):
             self._tell(event)
         self.status = self.health.status(self._state(), self._recorder)
@@ -143,17 +158,3 @@ def _as_sensor(estimate: Estimate, field: str, unit: str) -> Sample:
         quality=estimate.quality,
         reasons=estimate.reasons,
     )
-
-
-@contextmanager
-def until_signalled() -> Iterator[Callable[[], bool]]:
-    """Within, SIGINT and SIGTERM end the loop at its next slot; yields the question whether one came."""
-    came: list[int] = []
-    before = {
-        s: signal.signal(s, lambda number, _: came.append(number)) for s in (signal.SIGINT, signal.SIGTERM)
-    }
-    try:
-        yield lambda: bool(came)
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

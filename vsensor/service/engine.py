@@ -45,15 +45,14 @@ class Engine:
 
     def take(self, topic: str, sample: Sample | None) -> Iterator[tuple[Tick, Estimate]]:
         """Take a sample of a surface channel (None: unreadable); yield the ticks that it completes."""
-        self.intake.push(topic, sample)
-        for given in self.intake.ready():
+        for given in self.intake.take(topic, sample):
             tick = tick_of(given)
             yield tick, self.step(tick)
 
     def step(self, tick: Tick) -> Estimate:
         """Run one tick. The same ticks from the same start give the same estimates, bit for bit."""
         if tick.number == 0:
-            self.estimator.reset()
+            self.estimator.restart()
             self.recent[:] = math.nan
         values, reasons = self.estimator.step(tick.motor_torque_nm, tick.motor_speed_rad_s, tick.reasons)
         self._warm = not reasons & Reason.WARMING_UP

@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Iterable
-from pathlib import Path
 from typing import Protocol
 
 import numpy as np
@@ -16,15 +15,18 @@ from vsensor.service.engine import Engine
 from vsensor.service.pace import Slot
 
 SILENCE_NS = NS
-"""No sample on either channel for so long, by our own clock, and the input is lost."""
+"""No sample on one of the channels for so long, by our own clock, and the input is lost."""
 
 
 class Recorded(Protocol):
     """What the status tells of the recorder."""
 
-    path: Path
+    path: str
     sent: int
     dropped: int
+
+    def trouble(self) -> str:
+        """What keeps it from recording; empty while all is well."""
 
 
 class Health:
@@ -43,11 +45,14 @@ class Health:
         self.ticks = 0
         self.published = 0
 
-    def slot(self, slot: Slot, work_ns: int) -> None:
-        """Count one turn of the loop and the work done in it."""
+    def begin(self, slot: Slot) -> None:
+        """Count one turn of the loop, and those that passed before it."""
         self.slots_run += 1
         self.slots_skipped += slot.skipped
         self._lateness_ns.append(slot.lateness_ns)
+
+    def end(self, work_ns: int) -> None:
+        """Note how long the turn's work took."""
         self._work_ns.append(work_ns)
 
     def listen(self) -> None:
@@ -93,11 +98,13 @@ class Health:
         )
         if self._lateness_ns:
             status.lateness_p50_s, status.lateness_p99_s = _percentiles(self._lateness_ns)
+        if self._work_ns:
             status.work_p50_s, status.work_p99_s = _percentiles(self._work_ns)
         if not np.isnan(worst := self.severity):
             status.severity = worst
         if recorder is not None:
-            status.recording = str(recorder.path)
+            if not recorder.trouble():
+                status.recording = recorder.path
             status.recorded = recorder.sent
             status.recorder_dropped = recorder.dropped
         self._lateness_ns.clear()

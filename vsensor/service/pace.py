@@ -36,13 +36,13 @@ class Slot(NamedTuple):
 
     number: int
     lateness_ns: int
-    """Wake-up after the deadline."""
+    """Wake-up after the deadline: that of the first skipped slot, where some were."""
     skipped: int
     """Slots before this one that passed without a turn."""
 
 
 class Pace:
-    """Slots at a fixed rate on an absolute grid; those already over when the loop comes back are skipped."""
+    """Slots at a fixed rate on an absolute grid; of those due at once, the last alone gets a turn."""
 
     def __init__(self, rate_hz: float, clock: Clock) -> None:
         self._rate = rate_hz
@@ -54,8 +54,8 @@ class Pace:
         number = 0
         while True:
             due = number + 1
-            current = int((self._clock.now_ns() - start) * self._rate / NS)
-            number = max(due, current)
-            deadline = start + round(number * NS / self._rate)
+            deadline = start + round(due * NS / self._rate)
             self._clock.sleep_until(deadline)
-            yield Slot(number, self._clock.now_ns() - deadline, number - due)
+            now = self._clock.now_ns()
+            number = max(due, int((now - start) * self._rate / NS))
+            yield Slot(number, now - deadline, number - due)

@@ -1,11 +1,14 @@
 """Conditions worth telling a driller: each begins, and ends."""
 
 import math
+from collections import deque
 
+from vsensor.config import Rig
+from vsensor.intake import NS
 from vsensor.messages import Estimate, Event, Tick
 
 STUCK_SPEED = 0.5
-"""A confirmed bit speed below this (rad/s, 5 rpm) while the surface turns faster is a stuck bit."""
+"""A confirmed bit speed below this (rad/s, 5 rpm) while the surface turns twice as fast is a stuck bit."""
 STUCK_S = 0.3
 """for at least so long: shorter stops are the turning points of an oscillation."""
 STICK_SLIP = 1.0
@@ -29,42 +32,47 @@ class Condition:
 
 
 class Watch:
-    """All conditions of one rig."""
+    """All conditions of one rig; a tick's confirmed answer is for `confirmed_delay` (s) before it."""
 
-    def __init__(self) -> None:
+    def __init__(self, rig: Rig, confirmed_delay: float) -> None:
         self._input = Condition(
-            "input_lost", "no surface samples: estimates stopped", "surface samples are back"
+            "input_lost", "a surface channel is silent", "both surface channels speak again"
         )
         self._stuck = Condition(
-            "stuck", "the bit stands still while the surface turns", "the bit turns again"
+            "stuck",
+            "the bit stands still while the surface turns",
+            "the bit turns again, or the surface has stopped too",
         )
         self._stick_slip = Condition(
             "stick_slip", "stick-slip: the bit stops in each period", "stick-slip is over"
         )
+        self._turning = 2 * STUCK_SPEED * rig.top_drive.gear_ratio
+        self._surface: deque[float] = deque(maxlen=round(confirmed_delay * rig.loop.rate) + 1)
+        """Motor speed, from the time of the confirmed answer on: surface and bit are compared at one time."""
         self._slow_since_ns: int | None = None
-        self.last_ns = 0
+        self._last_ns = 0
 
     def tick(self, tick: Tick, estimate: Estimate) -> Event | None:
         """Look at one tick: is the bit stuck?"""
-        self.last_ns = tick.time_ns
+        self._last_ns = tick.time_ns
+        if tick.number == 0:
+            self._surface.clear()
+        self._surface.append(tick.motor_speed_rad_s)
         known = estimate.HasField("confirmed_bit_speed_rad_s")
-        slow = (
-            known
-            and abs(estimate.confirmed_bit_speed_rad_s) < STUCK_SPEED
-            and abs(tick.motor_speed_rad_s) > 2 * STUCK_SPEED
-        )
-        if not slow:
+        time_ns = estimate.confirmed_time_ns if known else tick.time_ns
+        slow = known and abs(estimate.confirmed_bit_speed_rad_s) < STUCK_SPEED
+        if not slow or abs(self._surface[0]) < self._turning:
             self._slow_since_ns = None
-        elif self._slow_since_ns is None:
-            self._slow_since_ns = estimate.confirmed_time_ns
-        since = self._slow_since_ns
-        stuck = since is not None and estimate.confirmed_time_ns - since >= STUCK_S * 1e9
-        return self._stuck.see(stuck, since if stuck and since is not None else estimate.confirmed_time_ns)
+            return self._stuck.see(False, time_ns)
+        if self._slow_since_ns is None:
+            self._slow_since_ns = time_ns
+        stuck = time_ns - self._slow_since_ns >= STUCK_S * NS
+        return self._stuck.see(stuck, self._slow_since_ns)
 
     def second(self, severity: float, input_lost: bool) -> list[Event]:
         """Look at the state once a second."""
         seen = (
-            self._input.see(input_lost, self.last_ns),
-            self._stick_slip.see(not math.isnan(severity) and severity >= STICK_SLIP, self.last_ns),
+            self._input.see(input_lost, self._last_ns),
+            self._stick_slip.see(not math.isnan(severity) and severity >= STICK_SLIP, self._last_ns),
         )
         return [event for event in seen if event is not None]

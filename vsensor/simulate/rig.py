@@ -52,6 +52,7 @@ class SimulatedRig:
         self._rock = 0.0
         self._integral = 0.0
         self._speed = 0.0
+        self._bit_speed = 0.0
         self._reported = 0.0
         self._done = 0
 
@@ -59,19 +60,21 @@ class SimulatedRig:
         """Run one sample period."""
         self._done += 1
         time_s = self._done * self._period
-        self._string.set_load(self._plan.bit_at(self._rig.bit, time_s))
+        bit = self._plan.bit_at(self._rig.bit, time_s)
+        self._string.set_load(bit)
         torque = self._control(time_s)
         speeds, bit_speeds, bit_torques = self._string.run(
-            np.full(self._steps, torque), self._rock_torque(bit_turns=self._speed != 0)
+            np.full(self._steps, torque), self._rock_torque(bit.kinetic_torque if self._bit_speed else 0.0)
         )
         self._speed = float(speeds[-1])
+        self._bit_speed = float(bit_speeds[-1])
         noise = self._rig.measurement
         return Reading(
             time_s,
             self._report(torque) + noise.torque_noise * self._random.standard_normal(),
             self._speed + noise.speed_noise * self._random.standard_normal(),
             time_s - self._string.bit_delay,
-            float(bit_speeds[-1]),
+            self._bit_speed,
             float(bit_torques[-1]),
         )
 
@@ -88,14 +91,17 @@ class SimulatedRig:
     def _report(self, torque: float) -> float:
         """The converter's own reading of torque, late by its lag."""
         lag = self._rig.top_drive.torque_lag
-        self._reported += (torque - self._reported) * -math.expm1(-self._period / lag) if lag else torque
-        return self._reported if lag else torque
+        self._reported += (torque - self._reported) * (-math.expm1(-self._period / lag) if lag else 1.0)
+        return self._reported
 
-    def _rock_torque(self, *, bit_turns: bool) -> Floats:
-        """Torque of uneven rock over the coming steps: a first-order random process; none at rest."""
-        scale = self._plan.rock_noise * self._rig.bit.kinetic_torque * math.sqrt(1 - self._fall**2)
-        torques = np.empty(self._steps)
-        for k, kick in enumerate(self._random.standard_normal(self._steps)):
-            self._rock = self._fall * self._rock + scale * kick
-            torques[k] = self._rock
-        return torques if bit_turns else np.zeros(self._steps)
+    def _rock_torque(self, kinetic: float) -> Floats:
+        """Torque of uneven rock over the coming steps: a first-order random process.
+
+        In proportion to the kinetic torque (N·m) that the bit meets: none off bottom or at rest.
+        """
+        kick = math.sqrt(1 - self._fall**2)
+        rocks = np.empty(self._steps)
+        for k, random in enumerate(self._random.standard_normal(self._steps)):
+            self._rock = self._fall * self._rock + kick * random
+            rocks[k] = self._rock
+        return self._plan.rock_noise * kinetic * rocks

@@ -1,0 +1,261 @@
+"""Zenoh: samples in order and in any form, nothing of other rigs, errors that say what to do."""
+
+import itertools
+import json
+import socket
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import zenoh
+
+from tests.daemons import free_bus, wait_until
+from vsensor import bus as bus_module
+from vsensor.bus import Feed, Outbox, Received, SurfaceInbox, open_session, wait_for_sensor
+from vsensor.config import Bus
+from vsensor.errors import BusError, ConfigError
+from vsensor.messages import (
+    BIT_ESTIMATE,
+    SENSOR_ALIVE,
+    SURFACE_SPEED,
+    SURFACE_TORQUE,
+    Estimate,
+    Message,
+    Sample,
+)
+
+CHANNELS = (SURFACE_TORQUE, SURFACE_SPEED)
+NS = 1_000_000_000
+NUMBERS = itertools.count()
+
+
+@pytest.fixture(scope="module")
+def network() -> Bus:
+    return free_bus()
+
+
+@pytest.fixture(scope="module")
+def daemon(network: Bus) -> Iterator[zenoh.Session]:
+    with open_session(network, "daemon") as session:
+        yield session
+
+
+@pytest.fixture(scope="module")
+def client(network: Bus, daemon: zenoh.Session) -> Iterator[zenoh.Session]:
+    with open_session(network, "client") as session:
+        yield session
+
+
+@pytest.fixture
+def prefix() -> str:
+    """A rig of its own for each test."""
+    return f"rigs/{next(NUMBERS)}"
+
+
+def received(inbox: SurfaceInbox, count: int) -> list[Received]:
+    got: list[Received] = []
+
+    def enough() -> bool:
+        got.extend(inbox.drain())
+        return len(got) >= count
+
+    wait_until(enough, f"{count} samples")
+    return got
+
+
+def test_samples_of_both_channels_come_in_the_order_in_which_they_were_sent(
+    daemon: zenoh.Session, client: zenoh.Session, prefix: str
+) -> None:
+    inbox = SurfaceInbox(daemon, prefix, CHANNELS)
+    outbox = Outbox(client, prefix, reliable=True)
+    sent = [(CHANNELS[k % 2], Sample(time_ns=k, value=k / 3, sequence=k // 2)) for k in range(4000)]
+    before_ns = time.time_ns()
+    for topic, sample in sent:
+        outbox.put(topic, sample)
+
+    got = received(inbox, len(sent))
+    assert [(each.topic, each.sample) for each in got] == sent
+    assert all(before_ns <= each.received_ns <= time.time_ns() for each in got)
+
+
+def test_what_was_put_is_returned_for_the_recorder(client: zenoh.Session, prefix: str) -> None:
+    sample = Sample(time_ns=1, value=2.0)
+    assert Outbox(client, prefix, reliable=False).put(SURFACE_SPEED, sample) == sample.SerializeToString()
+
+
+@pytest.mark.parametrize("stamped", [True, False], ids=["stamped by its sender", "not stamped"])
+def test_a_bare_number_has_the_time_of_the_bus(
+    daemon: zenoh.Session, network: Bus, prefix: str, stamped: bool
+) -> None:
+    """Where the sender does not stamp what it sends, the daemon, which routes it, does."""
+    config = zenoh.Config()
+    config.insert_json5("mode", '"client"')
+    config.insert_json5("connect/endpoints", json.dumps(network.listen))
+    config.insert_json5("timestamping/enabled", json.dumps(stamped))
+    inbox = SurfaceInbox(daemon, prefix, CHANNELS)
+    with zenoh.open(config) as stranger:
+        stranger.put(f"{prefix}/{SURFACE_TORQUE}", "1234.5", encoding="text/plain")
+        (got,) = received(inbox, 1)
+    assert got.sample is not None
+    assert got.sample.value == 1234.5
+    assert abs(got.sample.time_ns - got.received_ns) < 5 * NS
+
+
+def test_json_is_read_by_its_stated_encoding(
+    daemon: zenoh.Session, client: zenoh.Session, prefix: str
+) -> None:
+    inbox = SurfaceInbox(daemon, prefix, CHANNELS)
+    client.put(
+        f"{prefix}/{SURFACE_TORQUE}",
+        '{"time_ns": "17", "value": 2.5, "sequence": 3}',
+        encoding="application/json",
+    )
+    (got,) = received(inbox, 1)
+    assert got.sample == Sample(time_ns=17, value=2.5, sequence=3)
+
+
+@pytest.mark.parametrize(
+    ("payload", "encoding"),
+    [
+        (b"", "application/protobuf"),
+        (b"", "zenoh/bytes"),
+        (b"\xff\xff", "application/protobuf"),
+        (b"{", "application/json"),
+        (b"heavy", "text/plain"),
+        (bytes(3_000_000), "application/protobuf"),
+        (b"1.0", "image/png"),
+    ],
+    ids=["empty", "empty, no encoding", "garbage", "half", "word", "huge", "a picture"],
+)
+def test_what_cannot_be_read_is_told_and_what_follows_is_read(
+    daemon: zenoh.Session, client: zenoh.Session, prefix: str, payload: bytes, encoding: str
+) -> None:
+    inbox = SurfaceInbox(daemon, prefix, CHANNELS)
+    client.put(f"{prefix}/{SURFACE_TORQUE}", payload, encoding=encoding)
+    client.put(f"{prefix}/{SURFACE_TORQUE}", "1", encoding="text/plain")
+    bad, good = received(inbox, 2)
+    assert bad.topic == SURFACE_TORQUE
+    assert bad.sample is None
+    assert bad.fault
+    assert good.sample is not None
+
+
+def test_other_channels_and_other_rigs_are_not_heard(
+    daemon: zenoh.Session, client: zenoh.Session, prefix: str
+) -> None:
+    inbox = SurfaceInbox(daemon, prefix, CHANNELS)
+    for key in (f"{prefix}/surface/bit_depth", "rigs/other/surface/torque", f"{prefix}/surface/torque/x"):
+        client.put(key, "1", encoding="text/plain")
+    client.put(f"{prefix}/{SURFACE_TORQUE}", "2", encoding="text/plain")
+    (got,) = received(inbox, 1)
+    assert got.sample is not None
+    assert got.sample.value == 2
+
+
+def test_a_flood_does_not_keep_the_loop_from_its_other_duties(
+    daemon: zenoh.Session, client: zenoh.Session, prefix: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One call takes what the inbox holds, no more, however fast it is filled meanwhile."""
+    inbox = SurfaceInbox(daemon, prefix, CHANNELS)
+    outbox = Outbox(client, prefix, reliable=True)
+    monkeypatch.setattr(bus_module, "INBOX_CAPACITY", 10)
+    for number in range(25):
+        outbox.put(SURFACE_SPEED, Sample(time_ns=number, value=1.0))
+    got: list[int] = []
+
+    def enough() -> bool:
+        got.append(len(list(inbox.drain())))
+        return sum(got) == 25
+
+    wait_until(enough, "25 samples")
+    assert max(got) <= 10
+
+
+def test_where_the_inbox_overflows_the_newest_samples_stay(
+    daemon: zenoh.Session, client: zenoh.Session, prefix: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bus_module, "INBOX_CAPACITY", 10)
+    inbox = SurfaceInbox(daemon, prefix, CHANNELS)
+    late = daemon.declare_subscriber(f"{prefix}/end", zenoh.handlers.FifoChannel(1))
+    outbox = Outbox(client, prefix, reliable=True)
+    for number in range(25):
+        outbox.put(SURFACE_SPEED, Sample(time_ns=number, value=1.0))
+    client.put(f"{prefix}/end", "")
+    late.recv()
+    assert [each.sample.time_ns for each in inbox.drain() if each.sample] == list(range(15, 25))
+
+
+def test_a_viewer_hears_what_it_knows_and_passes_over_the_rest(
+    daemon: zenoh.Session, client: zenoh.Session, prefix: str
+) -> None:
+    feed = Feed(client, prefix)
+    outbox = Outbox(daemon, prefix, reliable=True)
+    heard: list[tuple[str, Message]] = []
+
+    def hears(topic: str) -> bool:
+        heard.extend(feed.drain())
+        return any(told == topic for told, _ in heard)
+
+    def is_subscribed() -> bool:
+        outbox.put(SURFACE_TORQUE, Sample(time_ns=1, value=1.0))
+        return hears(SURFACE_TORQUE)
+
+    wait_until(is_subscribed, "the subscription")
+    daemon.put(f"{prefix}/{BIT_ESTIMATE}", b"\xff\xff", encoding="application/protobuf")
+    daemon.put(f"{prefix}/{BIT_ESTIMATE}", "1.0", encoding="text/plain")
+    daemon.put(f"{prefix}/weather", b"", encoding="application/protobuf")
+    estimate = Estimate(number=7, now_bit_speed_rad_s=0.0)
+    outbox.put(BIT_ESTIMATE, estimate)
+
+    wait_until(lambda: hears(BIT_ESTIMATE), "the estimate")
+    assert [message for topic, message in heard if topic != SURFACE_TORQUE] == [estimate]
+
+
+def test_a_sensor_is_waited_for_until_it_says_that_it_lives(
+    daemon: zenoh.Session, client: zenoh.Session, prefix: str
+) -> None:
+    assert not wait_for_sensor(client, prefix, timeout_s=0.2)
+    with daemon.liveliness().declare_token(f"{prefix}/{SENSOR_ALIVE}"):
+        assert wait_for_sensor(client, prefix)
+        assert not wait_for_sensor(client, "rigs/other", timeout_s=0.2)
+
+
+def test_a_port_that_is_taken_is_named(network: Bus, daemon: zenoh.Session) -> None:
+    with pytest.raises(BusError, match=rf"{network.listen[0]}: is the port taken\?"):
+        open_session(network, "daemon")
+
+
+def test_a_client_without_a_daemon_is_told_what_to_start(bus: Bus) -> None:
+    with pytest.raises(BusError, match=rf"{bus.listen[0]}: is the daemon \(vsensor run\) up\?"):
+        open_session(bus, "client")
+
+
+@pytest.mark.parametrize(("text", "fault"), [(None, "No such file"), ("{mode: [", "expected")])
+def test_zenohs_own_settings_that_cannot_be_read_are_a_fault_of_the_configuration(
+    tmp_path: Path, bus: Bus, text: str | None, fault: str
+) -> None:
+    file = tmp_path / "zenoh.json5"
+    if text is not None:
+        file.write_text(text)
+    with pytest.raises(ConfigError, match=rf"zenoh_config .*zenoh\.json5: .*(?s:.*){fault}") as error:
+        open_session(bus.model_copy(update={"zenoh_config": file}), "daemon")
+    assert ".rs" not in str(error.value)
+
+
+def test_zenohs_own_settings_are_used_under_ours(tmp_path: Path, bus: Bus) -> None:
+    file = tmp_path / "zenoh.json5"
+    file.write_text('{id: "abcdef", mode: "client", listen: {endpoints: ["tcp/0.0.0.0:1"]}}')
+    with open_session(bus.model_copy(update={"zenoh_config": file}), "daemon") as session:
+        assert str(session.info.zid()) == "abcdef"
+        with open_session(bus, "client"):
+            pass
+
+
+def test_the_daemon_listens_on_this_machine_alone(network: Bus, daemon: zenoh.Session) -> None:
+    port = int(network.listen[0].rpartition(":")[2])
+    with socket.create_connection(("127.0.0.1", port), timeout=5):
+        pass
+    with pytest.raises(OSError, match="refused"):
+        # 127.0.0.2 is this machine too, by another address: one that a socket for all would answer.
+        socket.create_connection(("127.0.0.2", port), timeout=5)

@@ -1,0 +1,249 @@
+"""One life of a daemon, from its first second to its end, with all that a bus can throw at it."""
+
+import math
+import signal
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import cast
+
+import pytest
+from google.protobuf.json_format import MessageToJson
+from typer.testing import CliRunner
+
+from tests.daemons import Post, daemon, free_bus, post, wait_until
+from tests.rigs import NS, RATE, SHORT, samples, simulated
+from vsensor import __version__
+from vsensor.bus import wait_for_sensor
+from vsensor.cli import main
+from vsensor.messages import (
+    BIT_ESTIMATE,
+    BIT_SPEED,
+    BIT_TORQUE,
+    SENSOR_EVENT,
+    SENSOR_STATUS,
+    SENSOR_TICK,
+    SURFACE_SPEED,
+    SURFACE_TORQUE,
+    Estimate,
+    Message,
+    Sample,
+    Status,
+    Tick,
+    surface,
+)
+from vsensor.messages.vsensor_pb2 import BAD
+from vsensor.recording.reader import Session
+
+pytestmark = pytest.mark.process
+
+UNREADABLE = (
+    (b"", surface.PROTOBUF),
+    (b"\xff\xff\xff", surface.PROTOBUF),
+    (bytes(5_000_000), surface.PROTOBUF),
+    (b"heavy", surface.TEXT),
+    (b'{"value": "heavy"}', surface.JSON),
+    (b"1.0", "image/png"),
+)
+REFUSED = {
+    "unreadable": len(UNREADABLE),
+    "not_finite": 3,
+    "out_of_range": 1,
+    "doubled": 1,
+    "late": 1,
+    "jumped": 1,
+    "bad_at_source": 1,
+}
+
+
+@dataclass
+class Life:
+    """What was seen of a daemon while it lived, and what it left."""
+
+    statuses: dict[str, Status] = field(default_factory=dict)
+    """At moments that have names."""
+    estimates_while_waiting: int = -1
+    alive: bool = False
+    replies: list[Status] = field(default_factory=list)
+    heard: dict[str, list[Message]] = field(default_factory=dict)
+    events: list[tuple[str, bool]] = field(default_factory=list)
+    exit_status: int = -1
+    said: str = ""
+    session: Path = Path()
+
+    def recorded(self, topic: str) -> list[Message]:
+        """What the session holds of a topic."""
+        return [record.message for record in Session(self.session).messages((topic,))]
+
+
+@pytest.fixture(scope="module")
+def life(tmp_path_factory: pytest.TempPathFactory) -> Life:
+    seen = Life()
+    at = seen.statuses
+    with daemon(SHORT, free_bus(), tmp_path_factory.mktemp("life")) as sensor:
+        with post(sensor) as rig:
+            at["waiting"] = rig.await_status(lambda status: status.state != "starting", "a first status")
+            seen.estimates_while_waiting = len(rig.estimates)
+            seen.alive = wait_for_sensor(rig.session, rig.prefix)
+            seen.replies = ask(rig)
+
+            say_plainly(rig)
+            second = 2 * RATE
+            good = samples(simulated(10), time.time_ns())
+            rig.send(good[: 4 * second])
+            for topic, sample in good[4 * second : 8 * second]:
+                put(rig, topic, MessageToJson(sample, preserving_proto_field_name=True), surface.JSON)
+            torment(rig, good[8 * second - 2][1])
+            at["tormented"] = rig.await_status(
+                lambda status: torque(status)["bad_at_source"] == 1, "the last of the bad samples"
+            )
+            rig.send(good[8 * second : 9 * second])
+            at["after"] = rig.await_status(lambda s: s.ticks >= at["tormented"].ticks + RATE, "ticks again")
+            at["lost"] = rig.await_status(lambda status: status.state == "input lost", "the loss of input")
+            rig.send(good[9 * second :])
+            at["back"] = rig.await_status(lambda status: status.state == "running", "the input's return")
+            wait_until(lambda: ("input_lost", False) in rig.events, "the event of its return")
+            seen.events = rig.events
+            seen.heard = {topic: list(rig.heard(topic)) for topic in (BIT_SPEED, BIT_TORQUE, BIT_ESTIMATE)}
+        seen.exit_status = sensor.end(signal.SIGINT)
+        seen.said = sensor.said
+        (seen.session,) = sensor.sessions
+    return seen
+
+
+def ask(rig: Post) -> list[Status]:
+    replies = rig.session.get(f"{rig.prefix}/{SENSOR_STATUS}", timeout=20.0)
+    return [Status.FromString(reply.ok.payload.to_bytes()) for reply in replies if reply.ok is not None]
+
+
+def put(rig: Post, topic: str, payload: str | bytes, encoding: str) -> None:
+    rig.session.put(f"{rig.prefix}/{topic}", payload, encoding=encoding)
+
+
+def say_plainly(rig: Post) -> None:
+    """Bare numbers, which bear the time at which they are sent, until some ticks have come of them."""
+
+    def some_ticks() -> bool:
+        put(rig, SURFACE_TORQUE, "100", surface.TEXT)
+        put(rig, SURFACE_SPEED, "0.0", surface.TEXT)
+        return len(rig.estimates) >= 5
+
+    wait_until(some_ticks, "ticks of bare numbers")
+
+
+def torment(rig: Post, last: Sample) -> None:
+    """Send on the torque channel whatever a sample should not be."""
+    for payload, encoding in UNREADABLE:
+        put(rig, SURFACE_TORQUE, payload, encoding)
+    put(rig, "surface/humidity", b"\xff", surface.PROTOBUF)
+    put(rig, f"{SURFACE_TORQUE}/deeper", "1", surface.TEXT)
+    soon = last.time_ns + NS // 1000
+    for value in (math.nan, math.inf, -math.inf, 1e9):
+        rig.send([(SURFACE_TORQUE, Sample(time_ns=soon, value=value))])
+    for time_ns in (last.time_ns, last.time_ns - NS, last.time_ns + 3600 * NS):
+        rig.send([(SURFACE_TORQUE, Sample(time_ns=time_ns, value=1.0))])
+    rig.send([(SURFACE_TORQUE, Sample(time_ns=soon, value=1.0, quality=BAD))])
+
+
+def torque(status: Status) -> dict[str, int]:
+    """The books of the torque channel."""
+    (channel,) = (c for c in status.channels if c.channel == SURFACE_TORQUE)
+    return {name: getattr(channel, name) for name in ("received", "accepted", "lost", *REFUSED)}
+
+
+def test_without_samples_it_waits_and_estimates_nothing(life: Life) -> None:
+    waiting = life.statuses["waiting"]
+    assert waiting.state == "waiting for samples"
+    assert (waiting.ticks, waiting.published, life.estimates_while_waiting) == (0, 0, 0)
+
+
+def test_it_says_that_it_lives(life: Life) -> None:
+    assert life.alive
+
+
+def test_its_status_can_be_asked_for(life: Life) -> None:
+    (reply,) = life.replies
+    assert (reply.rig, reply.version, reply.rate_hz) == (SHORT.rig.name, __version__, RATE)
+
+
+def test_each_form_of_a_sample_makes_ticks_and_none_of_the_bad_ones_stops_them(life: Life) -> None:
+    """Ten seconds: four in protobuf, four in JSON, and two more with all the bad ones before them."""
+    ticks = cast("list[Tick]", life.recorded(SENSOR_TICK))
+    assert [tick.number for tick in ticks] == list(range(len(ticks)))
+    assert len(ticks) >= 10 * RATE + 5
+    assert life.statuses["back"].restarts == 0
+
+
+def test_each_bad_sample_is_refused_and_counted_for_what_is_wrong_with_it(life: Life) -> None:
+    books = torque(life.statuses["tormented"])
+    assert {reason: books[reason] for reason in REFUSED} == REFUSED
+    assert books["lost"] == 0
+
+
+def test_the_books_balance_at_all_times(life: Life) -> None:
+    told = cast("list[Status]", life.recorded(SENSOR_STATUS))
+    assert len(told) >= 4
+    for status in told:
+        books = torque(status)
+        assert books["received"] == books["accepted"] + sum(books[reason] for reason in REFUSED)
+        assert status.slots_due == status.slots_run + status.slots_skipped
+
+
+def test_estimates_go_on_after_it_all(life: Life) -> None:
+    assert life.statuses["after"].published >= life.statuses["tormented"].published + RATE
+    last = cast("Estimate", life.heard[BIT_ESTIMATE][-1])
+    assert last.HasField("forecast_bit_torque_nm")
+
+
+def test_the_loss_of_input_is_told_and_its_return(life: Life) -> None:
+    told = [begins for name, begins in life.events if name == "input_lost"]
+    assert told
+    assert told == [True, False] * (len(told) // 2)
+    silent = life.statuses["lost"]
+    assert all(channel.age_s > 1 for channel in silent.channels)
+    assert all(channel.age_s < 1.5 for channel in life.statuses["back"].channels)
+
+
+def test_the_bit_is_published_as_a_real_sensor_would(life: Life) -> None:
+    estimates = {e.number: e for e in cast("list[Estimate]", life.recorded(BIT_ESTIMATE))}
+    for topic, name in ((BIT_SPEED, "now_bit_speed{}_rad_s"), (BIT_TORQUE, "now_bit_torque{}_nm")):
+        heard = cast("list[Sample]", life.heard[topic])
+        assert heard  # all of them only in the session: on a full line the bus drops, it never waits
+        for sample in heard:
+            estimate = estimates[sample.sequence]
+            assert sample.value == getattr(estimate, name.format(""))
+            assert sample.standard_deviation == getattr(estimate, name.format("_std"))
+            assert (sample.time_ns, sample.quality) == (estimate.time_ns, estimate.quality)
+
+
+def test_ctrl_c_ends_it_well_and_the_session_is_complete(life: Life) -> None:
+    assert life.exit_status == 0
+    assert f"recorded {life.session}" in life.said
+    session = Session(life.session)
+    assert session.complete
+    assert session.recorder["ended"] == "closed by the daemon"
+    assert life.statuses["back"].recording == str(life.session)
+
+
+def test_what_came_in_is_recorded_even_where_it_was_refused(life: Life) -> None:
+    books = torque(cast("list[Status]", life.recorded(SENSOR_STATUS))[-1])
+    assert len(life.recorded(SURFACE_TORQUE)) == books["received"] - books["unreadable"]
+    assert [message for message in life.recorded(SENSOR_EVENT) if message] != []
+
+
+def test_the_session_verifies(life: Life) -> None:
+    result = CliRunner().invoke(main.app, ["verify", str(life.session)])
+    assert (result.exit_code, result.output) == (
+        0,
+        f"exact: {len(life.recorded(BIT_ESTIMATE))} estimates came out bit for bit\n",
+    )
+
+
+def test_estimates_from_the_recorded_samples_are_those_of_the_life_bit_for_bit(
+    life: Life, tmp_path: Path
+) -> None:
+    again = tmp_path / "again.mcap"
+    result = CliRunner().invoke(main.app, ["estimate", str(life.session), "-o", str(again)])
+    assert result.exit_code == 0, result.output
+    made = [record.message.SerializeToString() for record in Session(again).messages((BIT_ESTIMATE,))]
+    assert made == [message.SerializeToString() for message in life.recorded(BIT_ESTIMATE)]

@@ -1,0 +1,108 @@
+"""Slots on an absolute grid: what is late stays as late as it was, and what is missed is counted."""
+
+from fractions import Fraction
+from itertools import islice, pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from vsensor.intake import NS
+from vsensor.service.pace import MonotonicClock, Pace, Slot
+
+MS = 1_000_000
+rates = st.floats(1, 5000)
+
+
+class FakeClock:
+    """Sleeps too long by what `overshoots` say, in turn."""
+
+    def __init__(self, overshoots: list[int], start: int = 123) -> None:
+        self.time = self.start = start
+        self._overshoots = overshoots
+        self._sleeps = 0
+
+    def now_ns(self) -> int:
+        return self.time
+
+    def sleep_until(self, deadline_ns: int) -> None:
+        if deadline_ns > self.time:
+            self.time = deadline_ns + self._overshoots[self._sleeps % len(self._overshoots)]
+            self._sleeps += 1
+
+
+def slots(rate: float, clock: FakeClock, count: int, work_ns: int = 0) -> list[Slot]:
+    taken = []
+    for slot in islice(Pace(rate, clock).slots(), count):
+        taken.append(slot)
+        clock.time += work_ns
+    return taken
+
+
+@given(rates, st.lists(st.integers(0, 150_000), min_size=1, max_size=20), st.integers(0, 40_000))
+def test_lateness_never_adds_up(rate: float, overshoots: list[int], work_ns: int) -> None:
+    """The kernel oversleeps a little every time: each slot is late by its own oversleeping alone."""
+    clock = FakeClock(overshoots)
+    taken = slots(rate, clock, 400, work_ns)
+
+    assert [slot.number for slot in taken] == list(range(1, 401))
+    assert [slot.lateness_ns for slot in taken] == [overshoots[k % len(overshoots)] for k in range(400)]
+    assert {slot.skipped for slot in taken} == {0}
+
+
+@given(rates, st.integers(3, 10**6))
+def test_deadlines_are_where_the_rate_says_after_any_time(rate: float, slot: int) -> None:
+    clock = FakeClock([0])
+    pace = Pace(rate, clock).slots()
+    next(pace)
+    clock.time = clock.start + round((slot - 0.5) * NS / rate)  # within the slot before
+    assert next(pace)[::2] == (slot - 1, slot - 3)
+    assert next(pace) == Slot(slot, 0, 0)
+    assert abs(clock.time - clock.start - slot * Fraction(NS) / Fraction(rate)) <= 1
+
+
+@given(rates, st.lists(st.integers(0, 10 * NS), min_size=1, max_size=10))
+def test_no_slot_is_lost_from_the_books_nor_run_twice(rate: float, overshoots: list[int]) -> None:
+    taken = slots(rate, FakeClock(overshoots), 50)
+    assert taken[-1].number == len(taken) + sum(slot.skipped for slot in taken)
+    assert all(a.number < b.number for a, b in pairwise(taken))
+    assert all(slot.lateness_ns >= 0 for slot in taken)
+
+
+def test_a_turn_that_takes_too_long_costs_slots_and_the_grid_stays() -> None:
+    clock = FakeClock([0])
+    pace = Pace(100.0, clock).slots()
+    next(pace)
+    clock.time += 35 * MS  # the loop comes back at 45 ms: slots 2 and 3 are over, the fourth is under way
+    assert next(pace) == Slot(number=4, lateness_ns=25 * MS, skipped=2)
+    assert next(pace) == Slot(number=5, lateness_ns=0, skipped=0)
+
+
+def test_a_pause_while_asleep_is_told_in_the_slot_that_follows_it() -> None:
+    """Not one later: what this turn has to make up for is known when it begins."""
+    pace = Pace(100.0, FakeClock([0, 35 * MS, 0])).slots()
+    assert next(pace).number == 1
+    assert next(pace) == Slot(number=5, lateness_ns=35 * MS, skipped=3)
+    assert next(pace) == Slot(number=6, lateness_ns=0, skipped=0)
+
+
+def test_a_turn_a_little_over_its_time_skips_nothing_until_a_whole_slot_is_gone() -> None:
+    taken = slots(100.0, FakeClock([0]), 10, work_ns=12 * MS)
+    assert [(slot.lateness_ns // MS, slot.skipped) for slot in taken] == [
+        (0, 0), (2, 0), (4, 0), (6, 0), (8, 0), (10, 1), (2, 0), (4, 0), (6, 0), (8, 0),
+    ]  # fmt: skip
+
+
+def test_the_clock_of_the_machine_returns_at_its_deadline_or_later() -> None:
+    clock = MonotonicClock()
+    deadline = clock.now_ns() + 5 * MS
+    clock.sleep_until(deadline)
+    assert clock.now_ns() >= deadline
+
+
+def test_a_deadline_that_has_passed_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    waited: list[float] = []
+    monkeypatch.setattr("time.sleep", waited.append)
+    clock = MonotonicClock()
+    clock.sleep_until(clock.now_ns() - NS)
+    assert waited == []

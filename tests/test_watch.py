@@ -1,0 +1,118 @@
+"""Events: each begins and ends once, at the time on the source's clock at which it was so."""
+
+import math
+from collections.abc import Iterable
+
+import pytest
+
+from tests.strings import PIPE, rig
+from vsensor.messages import Estimate, Event, Tick
+from vsensor.service.watch import STUCK_S, STUCK_SPEED, Condition, Watch
+
+MS = 1_000_000
+DELAY_S = 0.5
+SMALL = rig(PIPE)
+Told = tuple[str, bool, int]
+
+
+def watch(
+    speeds: Iterable[tuple[float, float | None]], watching: Watch | None = None, first: int = 0
+) -> list[Told]:
+    """Events of ticks at 100 Hz, given motor speed at the tick and the bit's half a second earlier."""
+    watching = watching or Watch(SMALL, DELAY_S)
+    told = []
+    for number, (surface, bit) in enumerate(speeds):
+        time_ns = (first + number) * 10 * MS
+        tick = Tick(number=number, time_ns=time_ns, motor_speed_rad_s=surface)
+        estimate = Estimate(number=number, time_ns=time_ns)
+        if bit is not None:
+            estimate.confirmed_time_ns = time_ns - round(DELAY_S * 1e9)
+            estimate.confirmed_bit_speed_rad_s = bit
+        told.append(watching.tick(tick, estimate))
+    return [(event.name, event.begins, event.time_ns) for event in told if event is not None]
+
+
+WARMING = [(8.0, None)] * 100
+
+
+def test_a_condition_is_told_when_it_changes_and_only_then() -> None:
+    condition = Condition("wet", "it rains", "it is over")
+    seen = [condition.see(holds, time_ns) for time_ns, holds in enumerate([False, True, True, False, False])]
+    assert seen == [
+        None,
+        Event(time_ns=1, name="wet", begins=True, text="it rains"),
+        None,
+        Event(time_ns=3, name="wet", begins=False, text="it is over"),
+        None,
+    ]
+
+
+def test_a_bit_that_stands_while_the_surface_turns_is_stuck_from_when_it_stopped() -> None:
+    speeds = [*WARMING, *[(8.0, 8.0)] * 50, *[(8.0, 0.2)] * 100, *[(8.0, 8.0)] * 20]
+    begun, over = (1500 - 500) * MS, (2500 - 500) * MS
+    assert watch(speeds) == [("stuck", True, begun), ("stuck", False, over)]
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_it_is_stuck_whichever_way_the_surface_turns(direction: int) -> None:
+    assert len(watch([(8.0 * direction, 0.1)] * 100)) == 1
+
+
+def test_a_stop_that_is_shorter_is_a_turning_point() -> None:
+    short = round(STUCK_S * 100)
+    assert watch([*WARMING, *[(8.0, 0.0)] * short, *[(8.0, 8.0)] * 50]) == []
+    assert len(watch([*WARMING, *[(8.0, 0.0)] * (short + 1), *[(8.0, 8.0)] * 50])) == 2
+
+
+def test_a_string_at_rest_is_not_stuck() -> None:
+    assert watch([(0.0, 0.0)] * 500) == []
+    assert watch([(2 * STUCK_SPEED - 0.01, 0.0)] * 500) == []
+
+
+def test_surface_and_bit_are_compared_at_one_time() -> None:
+    """When the driller begins to turn, the bit's answers are from before that for half a second more."""
+    resting, turning = [(0.0, 0.0)] * 100, [(8.0, 0.0)] * 50
+    assert watch([*resting, *turning, *[(8.0, 8.0)] * 100]) == []
+
+    told = watch([*resting, *[(8.0, 0.0)] * 200])
+    assert told == [("stuck", True, 1000 * MS)]  # not half a second before the surface moved
+
+
+def test_where_the_surface_stops_too_the_bit_is_no_longer_stuck() -> None:
+    told = watch([*[(8.0, 0.0)] * 200, *[(0.0, 0.0)] * 200])
+    assert [begins for _, begins, _ in told] == [True, False]
+
+
+def test_the_motors_speed_is_taken_for_that_of_the_string() -> None:
+    """Behind a gear of 10, a motor at 5 rad/s turns the string at half a radian a second: hardly."""
+    geared = rig(PIPE, top_drive={"gear_ratio": 10.0})
+    assert watch([(5.0, 0.0)] * 500, Watch(geared, DELAY_S)) == []
+    assert len(watch([(80.0, 0.0)] * 500, Watch(geared, DELAY_S))) == 1
+
+
+def test_an_unknown_bit_is_not_stuck_and_the_end_has_the_ticks_own_time() -> None:
+    """The grid was laid anew while the bit was stuck: no answer, so that no time of an answer is known."""
+    watching = Watch(SMALL, DELAY_S)
+    assert len(watch([(8.0, 0.0)] * 200, watching)) == 1
+    assert watch([(8.0, None)] * 10, watching, first=10_000) == [("stuck", False, 100_000 * MS)]
+
+
+def test_after_a_restart_the_speeds_from_before_it_do_not_count() -> None:
+    watching = Watch(SMALL, DELAY_S)
+    watch([(8.0, 8.0)] * 200, watching)
+    assert watch([(0.0, 0.0)] * 200, watching, first=10_000) == []
+
+
+@pytest.mark.parametrize(("severity", "told"), [(0.99, []), (1.0, ["stick_slip"]), (math.nan, [])])
+def test_stick_slip_is_told_by_severity(severity: float, told: list[str]) -> None:
+    assert [event.name for event in Watch(SMALL, DELAY_S).second(severity, input_lost=False)] == told
+
+
+def test_lost_input_is_told_with_the_time_of_the_last_tick() -> None:
+    watching = Watch(SMALL, DELAY_S)
+    watch([(8.0, 8.0)] * 201, watching)
+    (lost,) = watching.second(0.1, input_lost=True)
+    assert (lost.name, lost.begins, lost.time_ns) == ("input_lost", True, 2000 * MS)
+    assert watching.second(0.1, input_lost=True) == []
+    (back,) = watching.second(0.1, input_lost=False)
+    assert (back.name, back.begins) == ("input_lost", False)
