@@ -132,7 +132,6 @@ def _model(rig: Rig, line: Line, steps: int) -> Model:
         memory=round(ERROR_MEMORY_S * rate),
         drive_rate=2 * rig.top_drive.inertia * rate * steps,
         rate=rate,
-        blur=max(1, round(0.5 / rig.estimator.bandwidth * rate * steps)),
         learns=rig.estimator.learn,
         speed_std=0.0,
         torque_std=0.0,

@@ -85,11 +85,8 @@ def _lasting(model: Model, state: State, flags: int) -> int:
 def _learn(model: Model, state: State) -> None:
     mask = state.waves.shape[1] - 1
     newest = state.ticks[0] * model.steps + model.steps - 1
-    torques = np.empty(3)
-    for k in range(3):
-        torques[k] = state.confirmed[1, (newest - (2 - k) * model.blur) & mask]
-    speed = state.confirmed[0, newest & mask]
-    learn(state.learned, model.line, state.junctions, torques, speed, model.rate, state.ticks[0])
+    speed, torque = state.confirmed[0, newest & mask], state.confirmed[1, newest & mask]
+    learn(state.learned, model.line, state.junctions, speed, torque, model.rate, state.ticks[0])
 
 
 @compiled

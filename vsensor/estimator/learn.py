@@ -20,8 +20,9 @@ from vsensor.jit import compiled
 STRIBECK_SPEEDS = np.geomspace(0.2, 5.0, 9)
 """Candidates, rad/s: 2 to 48 rpm, each half as fast again as the one before."""
 
-SLIDING = 0.5
-"""Above this speed (rad/s) a confirmed speed is surely no noise, and the pair tells of sliding."""
+SLIDING = 1.5
+"""Above this speed (rad/s) the bit surely slides: rest is confirmed with a noise of 0.1 to 0.2 rad/s, and
+with the smoother's ripple where it begins and ends, some 4 % of the speed before."""
 STICK_S = 0.3
 """A stop of so long is a stick, shorter ones are turning points."""
 STICK_WEIGHT_S = 1.0
@@ -87,14 +88,9 @@ def load_in_force(learned: Learned, inertia_rate: float) -> Load:
 
 @compiled
 def learn(
-    learned: Learned, line: Line, junctions: Floats, torques: Floats, speed: float, rate: float, tick: int
+    learned: Learned, line: Line, junctions: Floats, speed: float, torque: float, rate: float, tick: int
 ) -> None:
-    """Take one confirmed pair of bit speed and torque.
-
-    `torques` (3,) is the bit's torque two blurs ago, one blur ago and now, a blur being the time over
-    which the smoother spreads a jump; `junctions` (M + 1,) are the speeds along the string.
-    """
-    torque = torques[2]
+    """Take one confirmed pair of bit speed and torque, with the speeds along the string (M + 1,)."""
     _forget(learned, math.exp(-1 / (MEMORY_S * rate)))
     if abs(speed) > SLIDING:
         if learned.stop[0] >= STICK_S * rate:
@@ -105,9 +101,7 @@ def learn(
         _slide(learned, abs(speed), math.copysign(torque, torque * speed), rate)
     else:
         learned.stop[0] += 1
-        # The smoother rounds off the peak at which the bit breaks loose: what led up to it goes on.
-        ahead = torques[1] + max(0.0, torques[1] - torques[0])
-        learned.scale[1] = ahead - _bound(line, junctions)
+        learned.scale[1] = max(learned.scale[1], abs(torque) - _bound(line, junctions))
     if tick % max(1, int(EVERY_S * rate)) == 0:
         _work_out(learned, INERTIA_S * rate)
 

@@ -39,8 +39,6 @@ class Model(NamedTuple):
     """The same of the top drive."""
     rate: float
     """Ticks a second."""
-    blur: int
-    """Over so many steps the smoother spreads a jump: half a period of the band's end."""
     learns: bool
     """Whether the load law is learned, or stays as configured."""
     speed_std: float
