@@ -2,6 +2,7 @@
 
 import csv
 import re
+import sys
 import xml.etree.ElementTree as ET
 from html.parser import HTMLParser
 from pathlib import Path
@@ -10,6 +11,8 @@ import pytest
 from typer.testing import CliRunner
 
 from vsensor.cli.main import app
+from vsensor.cli.paper import paper
+from vsensor.errors import VsensorError
 from vsensor.paper import figures
 from vsensor.paper.page import Section, Table, number, page
 
@@ -126,3 +129,11 @@ def test_text_in_tables_and_titles_is_not_taken_for_html() -> None:
     assert "<td>&lt;b&gt;</td>" in html
     assert '<td class="number">1</td>' in html
     assert "S &amp; T" in html
+
+
+def test_without_the_extra_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    for name in [name for name in sys.modules if name.startswith("vsensor.paper")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(VsensorError, match=r"needs matplotlib, an extra: pip install 'vsensor\[paper\]'"):
+        paper(tmp_path)

@@ -19,9 +19,11 @@ def paper(
     """Write the paper's figures (PNG, SVG), their numbers (CSV) and a page that tells of them (HTML)."""
     console = Console(highlight=False, markup=False, soft_wrap=True)
     with console.status("running the paper's models"):
-        from vsensor.paper.publish import publish
-        from vsensor.paper.results import compute
-
+        try:
+            from vsensor.paper.publish import publish
+            from vsensor.paper.results import compute
+        except ModuleNotFoundError as error:
+            raise VsensorError(f"needs {error.name}, an extra: pip install 'vsensor[paper]'") from error
         results = compute()
     watch = partial(
         track, description="drawing", console=console, transient=True, disable=not console.is_terminal
