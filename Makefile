@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.up-to-date
 
-.PHONY: demo test check bench accuracy pictures proto clean
+.PHONY: demo test check bench accuracy proto clean
 
 demo: $(STAMP)
 	$(BIN)/vsensor demo $(ARGS)
@@ -22,7 +22,7 @@ bench: $(STAMP)
 	$(BIN)/vsensor bench $(ARGS)
 
 accuracy: $(STAMP)
-	$(BIN)/python -m tests.accuracy > docs/accuracy.md
+	$(BIN)/python -m tests.accuracy > docs/accuracy.md.new && mv docs/accuracy.md.new docs/accuracy.md
 
 proto: $(STAMP)
 	$(BIN)/python -m grpc_tools.protoc --plugin=protoc-gen-mypy=$(BIN)/protoc-gen-mypy \

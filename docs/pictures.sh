@@ -1,7 +1,7 @@
 #!/bin/sh
 # The picture of the live view that the documentation shows, of a file that `vsensor view --save` wrote:
 #
-#     docs/pictures.sh view.rrd docs/view.png [1600x900]
+#     docs/pictures.sh view.rrd docs/images/view.png [1600x900]
 #
 # Needs no screen, but an X server without one and Vulkan in software; on Debian and Ubuntu:
 #     apt-get install xvfb mesa-vulkan-drivers

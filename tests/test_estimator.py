@@ -246,3 +246,14 @@ def test_a_restart_keeps_what_was_learned_and_forgets_the_waves(
     assert out.values[:, confirmed].tobytes() == answers.values[:, confirmed].tobytes()
     warm = round(estimator.warm_up * DRILLING.loop.rate)
     assert np.isfinite(out.values[warm, NOW : NOW + 4]).all()  # its error is known from before
+
+
+def test_a_source_that_is_never_more_than_uncertain_is_told_of_now_all_the_same(
+    estimator: Estimator, answers: Estimates
+) -> None:
+    estimator.reset()
+    always = np.full(len(STUCK), int(Reason.SOURCE_UNCERTAIN))
+    out = estimator.run(column("motor_torque"), column("motor_speed"), always)
+    told = np.isfinite(answers.values)
+    assert np.isfinite(out.values[told]).all()
+    assert {verdict(Reason(int(r))) for r in out.reasons[told.any(axis=1)]} == {Quality.UNCERTAIN}

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vsensor.config import Bit
-from vsensor.estimator.learn import Learned, fresh_law, learn
+from vsensor.estimator.learn import Learned, fresh_law, learn, lose_sight
 from vsensor.estimator.sections import Floats, Line
 
 RATE = 100.0
@@ -104,3 +104,27 @@ def test_whatever_it_is_fed_the_law_resists(pairs: list[tuple[float, float]]) ->
     assert viscous >= 0
     assert 0 <= kinetic <= static
     assert stribeck > 0
+
+
+def test_noise_at_one_speed_tells_nothing_of_rest_nor_of_how_the_law_falls() -> None:
+    random = np.random.default_rng(4)
+    learned = fresh_law(ROCK)
+    speeds = 10 + 0.15 * random.standard_normal(9000)
+    feed(learned, speeds, torque_of(ROCK, speeds) + 900 + 250 * random.standard_normal(9000))
+    assert learned.law[2] == pytest.approx(ROCK.static_torque, rel=0.02)
+    assert learned.law[3] == ROCK.stribeck_speed
+    assert told(learned, 10.0) == pytest.approx(float(torque_of(ROCK, np.array(10.0))) + 900, rel=0.02)
+
+
+def test_a_configured_stribeck_speed_of_any_size_stays_until_the_data_says_otherwise() -> None:
+    learned = fresh_law(Bit(kinetic_torque=2e3, static_torque=3e3, stribeck_speed=15.0))
+    feed(learned, np.full(200, 9.0), np.full(200, 2600.0))
+    assert learned.law[3] == 15.0
+
+
+def test_a_stop_that_was_lost_from_sight_is_no_stick() -> None:
+    learned = fresh_law(ROCK)
+    feed(learned, np.zeros(200), np.full(200, 9e3))
+    lose_sight(learned)
+    feed(learned, np.full(50, 8.0), torque_of(ROCK, np.full(50, 8.0)))
+    assert learned.law[2] < 6100

@@ -85,3 +85,10 @@ def test_the_papers_string() -> None:
     assert component.impedance(pipe) == pytest.approx(733.009, rel=1e-6)
     assert component.stiffness(pipe) == pytest.approx(577.719, rel=1e-6)
     assert component.inertia(pipe) == pytest.approx(930.041, rel=1e-6)
+
+
+def test_depths_that_fall_between_two_steps_leave_no_section_without_one() -> None:
+    """Halves rounded to even would give 1.5 and 2.5 steps the same depth."""
+    pipe = Component(length=22.5, outer_diameter=0.127, inner_diameter=0.1, shear_modulus=72e9, density=8000)
+    string = tuple(pipe.model_copy(update={"length": length}) for length in (22.5, 15.0, 1500.0))
+    assert (cut(string, 5e-3, 300).round_trip >= 2).all()

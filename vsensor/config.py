@@ -96,7 +96,7 @@ class Bit(_Table):
 
 
 class Measurement(_Table):
-    """How well the surface channels measure, and which samples are beyond belief."""
+    """How well the surface channels measure, at the motor, and what is beyond belief, at the string."""
 
     torque_noise: Torque = 80.0
     speed_noise: Annotated[float, _quantity("rad/s"), Field(ge=0)] = 0.015

@@ -29,7 +29,7 @@ class Input(NamedTuple):
     """What the estimator is given at one tick."""
 
     number: int
-    """Ticks since the grid was last laid; 0 means that the estimator must begin anew."""
+    """Ticks since the grid was last laid; 0 means that the estimator must forget all input."""
     time_ns: int
     motor_torque: float
     motor_speed: float
@@ -172,10 +172,9 @@ class Intake:
         self._period = Fraction(NS) / Fraction(rig.loop.rate).limit_denominator(10**6)
         self._max_gap_ns = round(measured.max_gap * NS)
         self._restart_gap_ns = round(measured.restart_gap * NS)
-        self._torque = Channel(SURFACE_TORQUE, measured.torque_limit, Reason.STALE_TORQUE)
-        self._speed = Channel(
-            SURFACE_SPEED, measured.speed_limit * rig.top_drive.gear_ratio, Reason.STALE_SPEED
-        )
+        turns = rig.top_drive.gear_ratio
+        self._torque = Channel(SURFACE_TORQUE, measured.torque_limit / turns, Reason.STALE_TORQUE)
+        self._speed = Channel(SURFACE_SPEED, measured.speed_limit * turns, Reason.STALE_SPEED)
         self.channels = {SURFACE_TORQUE: self._torque, SURFACE_SPEED: self._speed}
         self.restarts = 0
         self._jump_ns: dict[str, int] = {}

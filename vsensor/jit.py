@@ -1,7 +1,7 @@
 """How the kernels are compiled: cached on disk, without fast-math.
 
 Numba keys a cached kernel by its own file alone, so that a change in a kernel that it calls would go
-unseen. Ours are therefore cached in a folder named for the whole of their sources.
+unseen. Ours are therefore cached in a folder named for the whole of what is compiled into them.
 """
 
 import hashlib
@@ -21,7 +21,7 @@ _KERNELS = Path(__file__).parent / "estimator"
 
 def _cache_folder() -> Path:
     sources = hashlib.sha256()
-    for file in sorted(_KERNELS.glob("*.py")):
+    for file in (*sorted(_KERNELS.glob("*.py")), _KERNELS.parent / "quality.py", Path(__file__)):
         sources.update(file.read_bytes())
     chosen = os.environ.get("NUMBA_CACHE_DIR")
     base = Path(chosen) if chosen else Path(platformdirs.user_cache_dir("vsensor"))

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 from vsensor.config import Rig
 from vsensor.estimator import component
+from vsensor.estimator.sections import FINEST
 
 STEEL_WAVE_SPEEDS = (3000.0, 3300.0)
 """√(G/ρ) of drill-pipe and collar steels, m/s."""
@@ -28,10 +29,10 @@ def _lengths(rig: Rig) -> Iterator[str]:
         yield f"string: {length:g} m in all, where {shortest:g} to {longest:g} m is usual: is the unit right?"
     for number, part in enumerate(rig.string, 1):
         slots = component.delay(part) * rig.loop.rate
-        if slots < 0.01:
+        if slots < 1 / FINEST:
             yield (
                 f'string[{number}] "{part.name}": a wave runs {part.length:g} m in {slots:.2g} of a tick: '
-                "too short to be told from its neighbour"
+                "it is lumped with its neighbour"
             )
 
 

@@ -35,7 +35,9 @@ def run(config: Annotated[Path, typer.Argument(help="The rig: a TOML file.")]) -
         with open_session(rig.bus, "daemon") as session, _recorder(rig, console) as recorder:
             daemon = Daemon(rig, engine, session, recorder)
             _introduce(console, rig, engine.estimator.confirmed_delay, engine.estimator.forecast_horizon)
-            daemon.run(Pace(rig.loop.rate, MonotonicClock()), Teller(console, recorder).tell, stopped)
+            teller = Teller(console, recorder)
+            pace = Pace(rig.loop.rate, MonotonicClock())
+            daemon.run(pace, lambda status: teller.tell(status, daemon.fault), stopped)
         _account(console, daemon.status)
 
 
@@ -83,10 +85,14 @@ class Teller:
         self._recorder = recorder
         self._state = ""
         self._trouble = ""
+        self._fault = ""
         self._dropped = 0
 
-    def tell(self, status: "Status") -> None:
-        """Hear the status of this second."""
+    def tell(self, status: "Status", fault: str) -> None:
+        """Hear the status of this second, and what was wrong with the last unreadable sample."""
+        if fault != self._fault:
+            self._fault = fault
+            self._console.print(f"[red]refused:[/] {escape(fault)}", soft_wrap=True, highlight=False)
         if status.state != self._state:
             self._state = status.state
             self._console.print(f"{time.strftime('%H:%M:%S')} {status.state}", highlight=False)

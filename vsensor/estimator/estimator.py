@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from vsensor.config import Bit, Rig
 from vsensor.estimator import kernel
+from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.sections import Floats, Line, cut, steps_per_tick
 from vsensor.estimator.state import LEARNED, Model, fill, flat, fresh
 from vsensor.estimator.top_drive import smoothers
@@ -67,6 +68,19 @@ class Estimator:
         """Internal steps in a tick."""
         return self._model.steps
 
+    @property
+    def law(self) -> Bit:
+        """The load law in force: as configured at first, then as learned."""
+        viscous, kinetic, static, stribeck = (float(x) for x in self._state.learned.law)
+        return self._rig.bit.model_copy(
+            update={
+                "viscous_friction": viscous,
+                "kinetic_torque": kinetic,
+                "static_torque": static,
+                "stribeck_speed": stribeck,
+            }
+        )
+
     def reset(self) -> None:
         """Forget everything, as at the start."""
         self._state = fresh(self._model, self._rig.bit)
@@ -76,6 +90,7 @@ class Estimator:
         before = self._state
         self.reset()
         fill(self._state, {k: v for k, v in flat(before).items() if k in LEARNED})
+        lose_sight(self._state.learned)
 
     def save(self) -> dict[str, NDArray[np.generic]]:
         """The whole state as named arrays: restored, it goes on to the same bits."""

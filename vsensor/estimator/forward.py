@@ -1,7 +1,6 @@
 """The string driven from the top alone: motor torque in, the whole string under a load law out.
 
-This is the paper's own case (Fig. 7: torque measured, speed not), the simulated rig, and what is
-left of the sensor where only one channel speaks.
+This is the paper's own case (Fig. 7: torque measured, speed not) and the simulated rig.
 """
 
 from typing import NamedTuple

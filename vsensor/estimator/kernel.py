@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from vsensor.estimator.ahead import predict
 from vsensor.estimator.confirm import confirm
-from vsensor.estimator.learn import learn
+from vsensor.estimator.learn import learn, lose_sight
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import FLAGS, Model, State
 from vsensor.jit import compiled
@@ -21,6 +21,7 @@ COLUMNS = 12
 _WARMING_UP = int(Reason.WARMING_UP)
 _STALE_TORQUE = int(Reason.STALE_TORQUE)
 _STALE_SPEED = int(Reason.STALE_SPEED)
+_NOT_MEASURED = _WARMING_UP | _STALE_TORQUE | _STALE_SPEED
 
 
 @compiled
@@ -41,10 +42,12 @@ def advance(
         flags = _enter(state, torque[k], speed[k], reasons[k])
         out_reasons[k] = _lasting(model, state, flags)
         confirm(model, state)
-        if not out_reasons[k]:
+        if not out_reasons[k] & _NOT_MEASURED:
             _score(model, state)
-            if model.learns:
-                _learn(model, state)
+        if out_reasons[k]:
+            lose_sight(state.learned)
+        elif model.learns:
+            _learn(model, state)
         predict(model, state)
         _answer(model, state, out_reasons[k], out[k])
         state.ticks[0] += 1

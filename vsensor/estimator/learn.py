@@ -1,6 +1,7 @@
 """The load law, learned while running from the bit's own confirmed torque and speed.
 
-For each of a few Stribeck speeds the law is linear in its other three numbers: T = D ω + T_k + ΔT e^(−ω/ω_s).
+For each of a few Stribeck speeds the law is linear in its other three numbers, with e = e^(−ω/ω_s):
+T = D ω + T_k (1 − e) + T_s e.
 Weighted least squares with forgetting keeps their sums; the Stribeck speed whose fit is best wins.
 A stick tells the static torque: the most that the bit withstood before it broke loose.
 Outliers weigh less (Huber 1964), no number may turn negative (coordinate descent, as in Franc,
@@ -41,7 +42,7 @@ CONVINCED = 0.98
 """Another Stribeck speed is taken up only where it leaves less than this share of the squared residual."""
 SWEEPS = 40
 
-VISCOUS, KINETIC, FALL = range(3)
+VISCOUS, KINETIC, STATIC = range(3)
 
 
 class Learned(NamedTuple):
@@ -49,6 +50,8 @@ class Learned(NamedTuple):
 
     law: Floats
     """The law in force: viscous, kinetic, static, Stribeck speed, shape (4,)."""
+    speeds: Floats
+    """The Stribeck speeds in the contest, the configured one among them, shape (C,)."""
     normal: Floats
     """Sums of weighted products of the regressors, shape (C, 3, 3),"""
     right: Floats
@@ -67,8 +70,11 @@ def fresh_law(bit: Bit) -> Learned:
     """The configured first guess, nothing learned yet."""
     candidates = len(STRIBECK_SPEEDS)
     nearest = int(np.argmin(np.abs(np.log(STRIBECK_SPEEDS / bit.stribeck_speed))))
-    guess = np.array([bit.viscous_friction, bit.kinetic_torque, bit.static_torque - bit.kinetic_torque])
+    guess = np.array([bit.viscous_friction, bit.kinetic_torque, bit.static_torque])
+    speeds = STRIBECK_SPEEDS.copy()
+    speeds[nearest] = bit.stribeck_speed
     return Learned(
+        speeds=speeds,
         law=np.array([bit.viscous_friction, bit.kinetic_torque, bit.static_torque, bit.stribeck_speed]),
         normal=np.zeros((candidates, 3, 3)),
         right=np.zeros((candidates, 3)),
@@ -96,14 +102,20 @@ def learn(
         if learned.stop[0] >= STICK_S * rate:
             weight = min(float(learned.stop[0]), STICK_WEIGHT_S * rate)
             _add(learned, 0.0, learned.scale[1], weight)
-        learned.stop[0] = 0
-        learned.scale[1] = 0.0
+        lose_sight(learned)
         _slide(learned, abs(speed), math.copysign(torque, torque * speed), rate)
     else:
         learned.stop[0] += 1
         learned.scale[1] = max(learned.scale[1], abs(torque) - _bound(line, junctions))
     if tick % max(1, int(EVERY_S * rate)) == 0:
         _work_out(learned, INERTIA_S * rate)
+
+
+@compiled
+def lose_sight(learned: Learned) -> None:
+    """Forget the stop under way: what the bit withstands while it is not seen belongs to no stick."""
+    learned.stop[0] = 0
+    learned.scale[1] = 0.0
 
 
 @compiled
@@ -128,9 +140,9 @@ def _slide(learned: Learned, speed: float, torque: float, rate: float) -> None:
 def _add(learned: Learned, speed: float, torque: float, weight: float) -> None:
     row = np.empty(3)
     row[VISCOUS] = speed
-    row[KINETIC] = 1.0
-    for c in range(STRIBECK_SPEEDS.shape[0]):
-        row[FALL] = math.exp(-speed / STRIBECK_SPEEDS[c])
+    for c in range(learned.speeds.shape[0]):
+        row[STATIC] = math.exp(-speed / learned.speeds[c])
+        row[KINETIC] = 1.0 - row[STATIC]
         for i in range(3):
             learned.right[c, i] += weight * row[i] * torque
             for j in range(3):
@@ -151,16 +163,19 @@ def _bound(line: Line, junctions: Floats) -> float:
 @compiled
 def _work_out(learned: Learned, inertia: float) -> None:
     chosen = learned.stop[1]
-    for c in range(STRIBECK_SPEEDS.shape[0]):
+    best = chosen
+    for c in range(learned.speeds.shape[0]):
         _fit(learned, c, inertia)
-    for c in range(STRIBECK_SPEEDS.shape[0]):
-        if _residual(learned, c) < CONVINCED * _residual(learned, chosen):
-            chosen = c
+    for c in range(learned.speeds.shape[0]):
+        if _residual(learned, c) < _residual(learned, best):
+            best = c
+    # The bit must have been slow for a while, by the measure of either, before they can be told apart.
+    slow = min(learned.normal[best, STATIC, STATIC], learned.normal[chosen, STATIC, STATIC])
+    if slow > inertia and _residual(learned, best) < CONVINCED * _residual(learned, chosen):
+        chosen = best
     learned.stop[1] = chosen
-    learned.law[0] = learned.fits[chosen, VISCOUS]
-    learned.law[1] = learned.fits[chosen, KINETIC]
-    learned.law[2] = learned.fits[chosen, KINETIC] + learned.fits[chosen, FALL]
-    learned.law[3] = STRIBECK_SPEEDS[chosen]
+    learned.law[:3] = learned.fits[chosen]
+    learned.law[3] = learned.speeds[chosen]
 
 
 @compiled
@@ -179,7 +194,8 @@ def _fit(learned: Learned, c: int, inertia: float) -> None:
             for j in range(3):
                 if j != i:
                     rest -= a[i, j] * p[j]
-            p[i] = max(0.0, rest / (a[i, i] + stay[i]))
+            least = p[KINETIC] if i == STATIC else 0.0  # what slides holds at rest
+            p[i] = max(least, rest / (a[i, i] + stay[i]))
 
 
 @compiled

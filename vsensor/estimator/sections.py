@@ -58,8 +58,9 @@ def cut(string: Sequence[Component], step_s: float, section_length: float) -> Li
     Depths, not lengths, are rounded to the grid, so that the error never adds up.
     """
     parts = _merged([piece for part in string for piece in _pieces(part, section_length)], step_s)
-    depth = np.rint(np.cumsum([0.0, *(part.delay for part in parts)]) / step_s).astype(np.int64)
-    depth[-1] = max(depth[-1], 1)
+    depth = np.floor(np.cumsum([0.0, *(part.delay for part in parts)]) / step_s + 0.5).astype(np.int64)
+    for i in range(1, len(depth)):  # whatever the rounding of a sum of floats: no section without a step
+        depth[i] = max(depth[i], depth[i - 1] + 1)
     return Line(
         impedance=np.array([part.impedance for part in parts]),
         round_trip=2 * np.diff(depth),

@@ -4,7 +4,8 @@ The string's torque T is what the motor's leaves over: J dω/dt = T_motor − T.
 T is unknown, so T is held to be a random walk, as strong as the band asks for, and estimated with
 ω by a Kalman filter and its fixed-lag smoother (Anderson and Moore 1979, section 7.3). In the steady
 state the answer at each lag is a weighted sum of the samples, and the weights are all that the kernels
-need: a window finite, exact and equal for every tick. At a long lag the response is 1 / (1 + (f/f_c)⁴).
+need: a window finite, exact and equal for every tick. At a long lag the response is 1 / (1 + (f/f_c)⁴)
+where the inertia's share of the noise, J 2πf σ_ω, outweighs σ_T, and 1 / (1 + (f/f_c)²) where it does not.
 """
 
 import math

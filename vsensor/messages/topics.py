@@ -7,17 +7,22 @@ Message = Sample | Tick | Estimate | Status | Event
 SURFACE = "surface/*"
 SURFACE_TORQUE = "surface/torque"
 SURFACE_SPEED = "surface/speed"
+SURFACE_BIT_DEPTH = "surface/bit_depth"  # optional, m
+SURFACE_HOLE_DEPTH = "surface/hole_depth"  # optional, m
 BIT_TORQUE = "bit/torque"
 BIT_SPEED = "bit/speed"
 BIT_ESTIMATE = "bit/estimate"
 SENSOR_TICK = "sensor/tick"
 SENSOR_STATUS = "sensor/status"
 SENSOR_EVENT = "sensor/event"
+SURFACE_TOPICS = (SURFACE_TORQUE, SURFACE_SPEED, SURFACE_BIT_DEPTH, SURFACE_HOLE_DEPTH)
 SENSOR_ALIVE = "sensor/alive"  # a liveliness token, no message
 
 _TYPES: dict[str, type[Message]] = {
     SURFACE_TORQUE: Sample,
     SURFACE_SPEED: Sample,
+    SURFACE_BIT_DEPTH: Sample,
+    SURFACE_HOLE_DEPTH: Sample,
     BIT_TORQUE: Sample,
     BIT_SPEED: Sample,
     BIT_ESTIMATE: Estimate,

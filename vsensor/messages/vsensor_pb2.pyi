@@ -462,6 +462,10 @@ class Status(_message.Message):
     SEVERITY_WINDOW_S_FIELD_NUMBER: _builtins.int
     CONFIRMED_DELAY_S_FIELD_NUMBER: _builtins.int
     FORECAST_HORIZON_S_FIELD_NUMBER: _builtins.int
+    LAW_VISCOUS_NM_S_RAD_FIELD_NUMBER: _builtins.int
+    LAW_KINETIC_NM_FIELD_NUMBER: _builtins.int
+    LAW_STATIC_NM_FIELD_NUMBER: _builtins.int
+    LAW_STRIBECK_RAD_S_FIELD_NUMBER: _builtins.int
     time_ns: _builtins.int
     """our clock"""
     rig: _builtins.str
@@ -491,6 +495,11 @@ class Status(_message.Message):
     severity_window_s: _builtins.float
     confirmed_delay_s: _builtins.float
     forecast_horizon_s: _builtins.float
+    law_viscous_nm_s_rad: _builtins.float
+    """the load law in force, learned while running"""
+    law_kinetic_nm: _builtins.float
+    law_static_nm: _builtins.float
+    law_stribeck_rad_s: _builtins.float
     @_builtins.property
     def channels(self) -> _containers.RepeatedCompositeFieldContainer[Global___ChannelStatus]: ...
     def __init__(
@@ -520,10 +529,14 @@ class Status(_message.Message):
         severity_window_s: _builtins.float | None = ...,
         confirmed_delay_s: _builtins.float | None = ...,
         forecast_horizon_s: _builtins.float | None = ...,
+        law_viscous_nm_s_rad: _builtins.float | None = ...,
+        law_kinetic_nm: _builtins.float | None = ...,
+        law_static_nm: _builtins.float | None = ...,
+        law_stribeck_rad_s: _builtins.float | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_confirmed_delay_s", b"_confirmed_delay_s", "_forecast_horizon_s", b"_forecast_horizon_s", "_lateness_p50_s", b"_lateness_p50_s", "_lateness_p99_s", b"_lateness_p99_s", "_published", b"_published", "_rate_hz", b"_rate_hz", "_recorded", b"_recorded", "_recorder_dropped", b"_recorder_dropped", "_recording", b"_recording", "_restarts", b"_restarts", "_rig", b"_rig", "_severity", b"_severity", "_severity_window_s", b"_severity_window_s", "_slots_due", b"_slots_due", "_slots_run", b"_slots_run", "_slots_skipped", b"_slots_skipped", "_state", b"_state", "_ticks", b"_ticks", "_time_ns", b"_time_ns", "_uptime_s", b"_uptime_s", "_version", b"_version", "_work_p50_s", b"_work_p50_s", "_work_p99_s", b"_work_p99_s", "confirmed_delay_s", b"confirmed_delay_s", "forecast_horizon_s", b"forecast_horizon_s", "lateness_p50_s", b"lateness_p50_s", "lateness_p99_s", b"lateness_p99_s", "published", b"published", "rate_hz", b"rate_hz", "recorded", b"recorded", "recorder_dropped", b"recorder_dropped", "recording", b"recording", "restarts", b"restarts", "rig", b"rig", "severity", b"severity", "severity_window_s", b"severity_window_s", "slots_due", b"slots_due", "slots_run", b"slots_run", "slots_skipped", b"slots_skipped", "state", b"state", "ticks", b"ticks", "time_ns", b"time_ns", "uptime_s", b"uptime_s", "version", b"version", "work_p50_s", b"work_p50_s", "work_p99_s", b"work_p99_s"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_confirmed_delay_s", b"_confirmed_delay_s", "_forecast_horizon_s", b"_forecast_horizon_s", "_lateness_p50_s", b"_lateness_p50_s", "_lateness_p99_s", b"_lateness_p99_s", "_law_kinetic_nm", b"_law_kinetic_nm", "_law_static_nm", b"_law_static_nm", "_law_stribeck_rad_s", b"_law_stribeck_rad_s", "_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad", "_published", b"_published", "_rate_hz", b"_rate_hz", "_recorded", b"_recorded", "_recorder_dropped", b"_recorder_dropped", "_recording", b"_recording", "_restarts", b"_restarts", "_rig", b"_rig", "_severity", b"_severity", "_severity_window_s", b"_severity_window_s", "_slots_due", b"_slots_due", "_slots_run", b"_slots_run", "_slots_skipped", b"_slots_skipped", "_state", b"_state", "_ticks", b"_ticks", "_time_ns", b"_time_ns", "_uptime_s", b"_uptime_s", "_version", b"_version", "_work_p50_s", b"_work_p50_s", "_work_p99_s", b"_work_p99_s", "confirmed_delay_s", b"confirmed_delay_s", "forecast_horizon_s", b"forecast_horizon_s", "lateness_p50_s", b"lateness_p50_s", "lateness_p99_s", b"lateness_p99_s", "law_kinetic_nm", b"law_kinetic_nm", "law_static_nm", b"law_static_nm", "law_stribeck_rad_s", b"law_stribeck_rad_s", "law_viscous_nm_s_rad", b"law_viscous_nm_s_rad", "published", b"published", "rate_hz", b"rate_hz", "recorded", b"recorded", "recorder_dropped", b"recorder_dropped", "recording", b"recording", "restarts", b"restarts", "rig", b"rig", "severity", b"severity", "severity_window_s", b"severity_window_s", "slots_due", b"slots_due", "slots_run", b"slots_run", "slots_skipped", b"slots_skipped", "state", b"state", "ticks", b"ticks", "time_ns", b"time_ns", "uptime_s", b"uptime_s", "version", b"version", "work_p50_s", b"work_p50_s", "work_p99_s", b"work_p99_s"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_confirmed_delay_s", b"_confirmed_delay_s", "_forecast_horizon_s", b"_forecast_horizon_s", "_lateness_p50_s", b"_lateness_p50_s", "_lateness_p99_s", b"_lateness_p99_s", "_published", b"_published", "_rate_hz", b"_rate_hz", "_recorded", b"_recorded", "_recorder_dropped", b"_recorder_dropped", "_recording", b"_recording", "_restarts", b"_restarts", "_rig", b"_rig", "_severity", b"_severity", "_severity_window_s", b"_severity_window_s", "_slots_due", b"_slots_due", "_slots_run", b"_slots_run", "_slots_skipped", b"_slots_skipped", "_state", b"_state", "_ticks", b"_ticks", "_time_ns", b"_time_ns", "_uptime_s", b"_uptime_s", "_version", b"_version", "_work_p50_s", b"_work_p50_s", "_work_p99_s", b"_work_p99_s", "channels", b"channels", "confirmed_delay_s", b"confirmed_delay_s", "forecast_horizon_s", b"forecast_horizon_s", "lateness_p50_s", b"lateness_p50_s", "lateness_p99_s", b"lateness_p99_s", "published", b"published", "rate_hz", b"rate_hz", "recorded", b"recorded", "recorder_dropped", b"recorder_dropped", "recording", b"recording", "restarts", b"restarts", "rig", b"rig", "severity", b"severity", "severity_window_s", b"severity_window_s", "slots_due", b"slots_due", "slots_run", b"slots_run", "slots_skipped", b"slots_skipped", "state", b"state", "ticks", b"ticks", "time_ns", b"time_ns", "uptime_s", b"uptime_s", "version", b"version", "work_p50_s", b"work_p50_s", "work_p99_s", b"work_p99_s"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_confirmed_delay_s", b"_confirmed_delay_s", "_forecast_horizon_s", b"_forecast_horizon_s", "_lateness_p50_s", b"_lateness_p50_s", "_lateness_p99_s", b"_lateness_p99_s", "_law_kinetic_nm", b"_law_kinetic_nm", "_law_static_nm", b"_law_static_nm", "_law_stribeck_rad_s", b"_law_stribeck_rad_s", "_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad", "_published", b"_published", "_rate_hz", b"_rate_hz", "_recorded", b"_recorded", "_recorder_dropped", b"_recorder_dropped", "_recording", b"_recording", "_restarts", b"_restarts", "_rig", b"_rig", "_severity", b"_severity", "_severity_window_s", b"_severity_window_s", "_slots_due", b"_slots_due", "_slots_run", b"_slots_run", "_slots_skipped", b"_slots_skipped", "_state", b"_state", "_ticks", b"_ticks", "_time_ns", b"_time_ns", "_uptime_s", b"_uptime_s", "_version", b"_version", "_work_p50_s", b"_work_p50_s", "_work_p99_s", b"_work_p99_s", "channels", b"channels", "confirmed_delay_s", b"confirmed_delay_s", "forecast_horizon_s", b"forecast_horizon_s", "lateness_p50_s", b"lateness_p50_s", "lateness_p99_s", b"lateness_p99_s", "law_kinetic_nm", b"law_kinetic_nm", "law_static_nm", b"law_static_nm", "law_stribeck_rad_s", b"law_stribeck_rad_s", "law_viscous_nm_s_rad", b"law_viscous_nm_s_rad", "published", b"published", "rate_hz", b"rate_hz", "recorded", b"recorded", "recorder_dropped", b"recorder_dropped", "recording", b"recording", "restarts", b"restarts", "rig", b"rig", "severity", b"severity", "severity_window_s", b"severity_window_s", "slots_due", b"slots_due", "slots_run", b"slots_run", "slots_skipped", b"slots_skipped", "state", b"state", "ticks", b"ticks", "time_ns", b"time_ns", "uptime_s", b"uptime_s", "version", b"version", "work_p50_s", b"work_p50_s", "work_p99_s", b"work_p99_s"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__confirmed_delay_s: _TypeAlias = _typing.Literal["confirmed_delay_s"]  # noqa: Y015
     _WhichOneofArgType__confirmed_delay_s: _TypeAlias = _typing.Literal["_confirmed_delay_s", b"_confirmed_delay_s"]  # noqa: Y015
@@ -533,6 +546,14 @@ class Status(_message.Message):
     _WhichOneofArgType__lateness_p50_s: _TypeAlias = _typing.Literal["_lateness_p50_s", b"_lateness_p50_s"]  # noqa: Y015
     _WhichOneofReturnType__lateness_p99_s: _TypeAlias = _typing.Literal["lateness_p99_s"]  # noqa: Y015
     _WhichOneofArgType__lateness_p99_s: _TypeAlias = _typing.Literal["_lateness_p99_s", b"_lateness_p99_s"]  # noqa: Y015
+    _WhichOneofReturnType__law_kinetic_nm: _TypeAlias = _typing.Literal["law_kinetic_nm"]  # noqa: Y015
+    _WhichOneofArgType__law_kinetic_nm: _TypeAlias = _typing.Literal["_law_kinetic_nm", b"_law_kinetic_nm"]  # noqa: Y015
+    _WhichOneofReturnType__law_static_nm: _TypeAlias = _typing.Literal["law_static_nm"]  # noqa: Y015
+    _WhichOneofArgType__law_static_nm: _TypeAlias = _typing.Literal["_law_static_nm", b"_law_static_nm"]  # noqa: Y015
+    _WhichOneofReturnType__law_stribeck_rad_s: _TypeAlias = _typing.Literal["law_stribeck_rad_s"]  # noqa: Y015
+    _WhichOneofArgType__law_stribeck_rad_s: _TypeAlias = _typing.Literal["_law_stribeck_rad_s", b"_law_stribeck_rad_s"]  # noqa: Y015
+    _WhichOneofReturnType__law_viscous_nm_s_rad: _TypeAlias = _typing.Literal["law_viscous_nm_s_rad"]  # noqa: Y015
+    _WhichOneofArgType__law_viscous_nm_s_rad: _TypeAlias = _typing.Literal["_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad"]  # noqa: Y015
     _WhichOneofReturnType__published: _TypeAlias = _typing.Literal["published"]  # noqa: Y015
     _WhichOneofArgType__published: _TypeAlias = _typing.Literal["_published", b"_published"]  # noqa: Y015
     _WhichOneofReturnType__rate_hz: _TypeAlias = _typing.Literal["rate_hz"]  # noqa: Y015
@@ -579,6 +600,14 @@ class Status(_message.Message):
     def WhichOneof(self, oneof_group: _WhichOneofArgType__lateness_p50_s) -> _WhichOneofReturnType__lateness_p50_s | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__lateness_p99_s) -> _WhichOneofReturnType__lateness_p99_s | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__law_kinetic_nm) -> _WhichOneofReturnType__law_kinetic_nm | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__law_static_nm) -> _WhichOneofReturnType__law_static_nm | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__law_stribeck_rad_s) -> _WhichOneofReturnType__law_stribeck_rad_s | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__law_viscous_nm_s_rad) -> _WhichOneofReturnType__law_viscous_nm_s_rad | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__published) -> _WhichOneofReturnType__published | None: ...
     @_typing.overload

@@ -45,7 +45,7 @@ class Verdict:
 def verify(session: Session, step: Callable[[Tick], Estimate]) -> Verdict:
     """Feed the session's ticks to `step` in order and compare its estimates with the recorded ones.
 
-    A tick numbered 0 is an estimator's first: `step` begins afresh there. A tick's estimate stands
+    A tick numbered 0 is an estimator's first: `step` has forgotten all input there. A tick's estimate stands
     behind it in the file. At a hole in the numbers verification ends, with `gap` telling where.
     """
     ticks = compared = mismatches = 0

@@ -18,6 +18,7 @@ from vsensor.messages import (
     SENSOR_EVENT,
     SENSOR_STATUS,
     SENSOR_TICK,
+    SURFACE_TOPICS,
     Estimate,
     Event,
     Message,
@@ -51,12 +52,14 @@ class Daemon:
         self._rig = rig
         self._engine = engine
         self._recorder = recorder
-        self._inbox = SurfaceInbox(session, rig.prefix, engine.intake.channels)
+        self._inbox = SurfaceInbox(session, rig.prefix, SURFACE_TOPICS)
         self._outbox = Outbox(session, rig.prefix, reliable=False)
         self._watch = Watch(rig, engine.estimator.confirmed_delay)
         self.health = Health(rig, engine)
         self.status = self.health.status("starting", recorder)
         self._per_second = round(rig.loop.rate)
+        self.fault = ""
+        """What made the last unreadable sample unreadable."""
         self._owed = 0
         self._owed_until = 0
         self._queryable = session.declare_queryable(f"{rig.prefix}/{SENSOR_STATUS}", self._reply)
@@ -87,7 +90,11 @@ class Daemon:
     def _turn(self, slot: Slot) -> None:
         self._count_owed(slot)
         for received in self._inbox.drain():
+            if received.fault:
+                self.fault = f"{received.topic}: a sample {received.fault}"
             self._record_received(received)
+            if received.topic not in self._engine.intake.channels:
+                continue
             for tick, estimate in self._engine.take(received.topic, received.sample):
                 tick.slot, tick.lateness_ns, tick.caught_up = slot.number, slot.lateness_ns, self._owed > 0
                 self._owed = max(self._owed - 1, 0)

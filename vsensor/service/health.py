@@ -95,6 +95,10 @@ class Health:
             severity_window_s=self._rig.estimator.severity_window,
             confirmed_delay_s=estimator.confirmed_delay,
             forecast_horizon_s=estimator.forecast_horizon,
+            law_viscous_nm_s_rad=estimator.law.viscous_friction,
+            law_kinetic_nm=estimator.law.kinetic_torque,
+            law_static_nm=estimator.law.static_torque,
+            law_stribeck_rad_s=estimator.law.stribeck_speed,
         )
         if self._lateness_ns:
             status.lateness_p50_s, status.lateness_p99_s = _percentiles(self._lateness_ns)
