@@ -23,12 +23,20 @@ def estimate(
     output: Annotated[Path, typer.Option("-o", "--output", help="Estimates: .csv, .parquet or .mcap.")],
 ) -> None:
     """Estimate the bit from recorded surface samples."""
+    from vsensor.tables import is_csv
+
     rig = _rig(source, config)
     write = _to_session if output.suffix == ".mcap" else _to_table
-    ticks = write(rig, source, output)
+    if write is _to_table:
+        is_csv(output)  # before the work, not after
+    console = Console()
+    with console.status(f"estimating {source}"):
+        ticks = (
+            _to_session(rig, source, output) if output.suffix == ".mcap" else _to_table(rig, source, output)
+        )
     if ticks == 0:
         raise InputError(f"{source}: no tick came of it: both surface channels are needed, from one time on")
-    Console().print(f"{ticks} ticks estimated into {output}", soft_wrap=True, highlight=False)
+    console.print(f"{ticks} ticks estimated into {output}", soft_wrap=True, highlight=False)
 
 
 def _rig(source: Path, config: Path | None) -> Rig:

@@ -10,6 +10,7 @@ import typer
 from rich.console import Console
 from rich.status import Status
 
+from vsensor.cli.options import connected, rig_name
 from vsensor.config import Bus, loads
 from vsensor.errors import ConfigError
 
@@ -68,12 +69,10 @@ def _bus(session: "Session", rig: str, connect: str) -> tuple[Bus, str]:
     recorded = (
         loads(session.configuration, f"{session.path}: configuration") if session.configuration else None
     )
-    name = rig or session.metadata.get("rig", "") or (recorded.rig.name if recorded else "")
+    name = rig_name(rig) if rig else session.metadata.get("rig") or (recorded.rig.name if recorded else "")
     if not name:
         raise ConfigError(f"{session.path}: does not say which rig it is of: name one with --rig")
-    bus = recorded.bus if recorded else Bus()
-    if connect:
-        bus = bus.model_copy(update={"connect": (connect,)})
+    bus = connected(recorded.bus if recorded else Bus(), connect)
     return bus, bus.prefix.replace("{rig}", name)
 
 

@@ -23,8 +23,10 @@ def verify(session: Annotated[Path, typer.Argument(help="A recorded session.")])
     if recorded.configuration is None:
         raise InputError(f"{session}: holds no configuration, so that it cannot be run again")
     rig = loads(recorded.configuration, f"{session}: recorded configuration")
-    verdict = compare(recorded, Engine(rig).step)
-    Console().print(_words(verdict), highlight=False)
+    console = Console()
+    with console.status(f"verifying {session}"):
+        verdict = compare(recorded, Engine(rig).step)
+    console.print(_words(verdict), highlight=False)
     if not verdict.exact:
         raise typer.Exit(1)
 

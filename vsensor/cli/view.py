@@ -2,17 +2,13 @@
 
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated
 
 import typer
-from pydantic import BaseModel, ValidationError
 from rich.console import Console
 
+from vsensor.cli.options import connected, rig_name
 from vsensor.config import Bus, Rig, TopDrive, View, load
-from vsensor.errors import ConfigError
-from vsensor.faults import every_fault
-
-Model = TypeVar("Model", bound=BaseModel)
 
 
 def view(
@@ -55,17 +51,7 @@ def view(
 def _source(known: Rig | None, rig: str, connect: str) -> tuple[Bus, str | None]:
     """The bus, and the rig's prefix on it; none where any rig will do."""
     bus = known.bus if known else Bus()
-    if connect:
-        bus = _checked(Bus, {**dict(bus), "connect": [connect]}, "--connect")
+    bus = connected(bus, connect)
     if rig:
-        name = _checked(Rig.Name, {"name": rig}, "--rig").name
-        return bus, bus.prefix.replace("{rig}", name)
+        return bus, bus.prefix.replace("{rig}", rig_name(rig))
     return bus, known.prefix if known else None
-
-
-def _checked(model: type[Model], data: dict[str, Any], option: str) -> Model:
-    """What an option says, held to the rules of a configuration."""
-    try:
-        return model.model_validate(data)
-    except ValidationError as error:
-        raise ConfigError(every_fault(error, data, model, option)) from error

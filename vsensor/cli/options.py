@@ -1,0 +1,28 @@
+"""Options that several commands share, held to the rules of a configuration."""
+
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from vsensor.config import Bus, Rig
+from vsensor.errors import ConfigError
+from vsensor.faults import every_fault
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def connected(bus: Bus, endpoint: str) -> Bus:
+    """The bus as reached by `--connect`; ConfigError for what is no endpoint."""
+    return _checked(Bus, {**dict(bus), "connect": [endpoint]}, "--connect") if endpoint else bus
+
+
+def rig_name(name: str) -> str:
+    """A name given by `--rig`; ConfigError for what cannot be one."""
+    return _checked(Rig.Name, {"name": name}, "--rig").name
+
+
+def _checked(model: type[Model], data: dict[str, Any], option: str) -> Model:
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise ConfigError(every_fault(error, data, model, option)) from error
