@@ -31,9 +31,7 @@ def estimate(
         is_csv(output)  # before the work, not after
     console = Console()
     with console.status(f"estimating {source}"):
-        ticks = (
-            _to_session(rig, source, output) if output.suffix == ".mcap" else _to_table(rig, source, output)
-        )
+        ticks = write(rig, source, output)
     if ticks == 0:
         raise InputError(f"{source}: no tick came of it: both surface channels are needed, from one time on")
     console.print(f"{ticks} ticks estimated into {output}", soft_wrap=True, highlight=False)
