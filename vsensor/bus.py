@@ -28,7 +28,11 @@ def open_session(bus: Bus, role: Literal["daemon", "client"]) -> zenoh.Session:
         return zenoh.open(config)
     except zenoh.ZError as error:
         ends = ", ".join(bus.listen if role == "daemon" else bus.connect or bus.listen)
-        hint = "is the port taken?" if role == "daemon" else "is the daemon (vsensor run) up?"
+        hint = (
+            "is the port taken?"
+            if role == "daemon"
+            else "is the daemon (vsensor run) up, and at this address?"
+        )
         raise BusError(f"no bus at {ends}: {hint} ({_without_place(error)})") from error
 
 

@@ -24,7 +24,9 @@ _KEYS = "space pauses, . steps, q ends"
 def replay(
     session: Annotated[Path, typer.Argument(help="A recorded session.")],
     rig: Annotated[str, typer.Option(help="Publish under this rig's name, not the recorded one.")] = "",
-    connect: Annotated[str, typer.Option(help="Where the bus is, such as tcp/127.0.0.1:7447.")] = "",
+    connect: Annotated[
+        str, typer.Option(help="Where the sensor listens; tcp/127.0.0.1:7447 by default.")
+    ] = "",
     speed: Annotated[float, typer.Option(help="Times as fast.", min=0.001)] = 1.0,
     start: Annotated[float, typer.Option(help="Seconds into the session.", min=0)] = 0.0,
     duration: Annotated[float | None, typer.Option(help="Seconds of the session.", min=0)] = None,
@@ -72,7 +74,8 @@ def _bus(session: "Session", rig: str, connect: str) -> tuple[Bus, str]:
     name = rig_name(rig) if rig else session.metadata.get("rig") or (recorded.rig.name if recorded else "")
     if not name:
         raise ConfigError(f"{session.path}: does not say which rig it is of: name one with --rig")
-    bus = connected(recorded.bus if recorded else Bus(), connect)
+    # The recorded endpoint is where that sensor listened then, a demonstration's on a port of the day.
+    bus = connected(Bus(prefix=recorded.bus.prefix) if recorded else Bus(), connect)
     return bus, bus.prefix.replace("{rig}", name)
 
 

@@ -26,6 +26,8 @@ def verify(session: Annotated[Path, typer.Argument(help="A recorded session.")])
     console = Console()
     with console.status(f"verifying {session}"):
         verdict = compare(recorded, Engine(rig).step)
+    if not recorded.complete:
+        console.print(f"{session} is torn: what survives of it is verified", highlight=False, soft_wrap=True)
     console.print(_words(verdict), highlight=False)
     if not verdict.exact:
         raise typer.Exit(1)
