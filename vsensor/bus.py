@@ -31,7 +31,7 @@ def open_session(bus: Bus, role: Literal["daemon", "client"]) -> zenoh.Session:
         hint = (
             "is the port taken?"
             if role == "daemon"
-            else "is the daemon (vsensor run) up, and at this address?"
+            else "is the daemon (vsensor run) up? Is this its address?"
         )
         raise BusError(f"no bus at {ends}: {hint} ({_without_place(error)})") from error
 
