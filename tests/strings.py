@@ -40,3 +40,13 @@ def rig(*string: Component, rate: float = 100.0, **tables: object) -> Rig:
 
 PIPE = Component(name="pipe", length=1500, outer_diameter=0.127, inner_diameter=0.1086, viscous_friction=0.02)
 COLLAR = Component(name="collar", length=150, outer_diameter=0.1652, inner_diameter=0.0714)
+
+# A bit and a top drive that stick-slip together on a long pipe.
+BIT = {
+    "inertia": 50.0,
+    "viscous_friction": 5.0,
+    "kinetic_torque": 3e3,
+    "static_torque": 8e3,
+    "stribeck_speed": 1.5,
+}
+DRIVE = {"inertia": 2000.0, "torque_lag": 0.005}

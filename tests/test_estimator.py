@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.strings import COLLAR, PIPE, rig
+from tests.strings import BIT, COLLAR, DRIVE, PIPE, rig
 from vsensor.config import Rig
 from vsensor.estimator.estimator import Estimates, Estimator
 from vsensor.estimator.kernel import CONFIRMED, FORECAST, NOW, SPEED, SPEED_STD, TORQUE, TORQUE_STD
@@ -16,18 +16,11 @@ from vsensor.quality import Quality, Reason, verdict
 from vsensor.simulate.rig import Reading, SimulatedRig
 from vsensor.simulate.scenario import PLANS, Scenario
 
-BIT = {
-    "inertia": 50.0,
-    "viscous_friction": 5.0,
-    "kinetic_torque": 3e3,
-    "static_torque": 8e3,
-    "stribeck_speed": 1.5,
-}
 DRILLING = rig(
     PIPE.model_copy(update={"length": 2500.0}),
     COLLAR,
     bit=BIT,
-    top_drive={"inertia": 2000.0, "torque_lag": 0.005},
+    top_drive=DRIVE,
 )
 LINEAR = rig(PIPE.model_copy(update={"coulomb_friction": 0.0, "static_friction": 0.0}), COLLAR, rate=50.0)
 ANYTHING = st.floats(allow_nan=True, allow_infinity=True)

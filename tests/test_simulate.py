@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.daemons import wait_until
-from tests.strings import COLLAR, PIPE, rig
+from tests.strings import BIT, COLLAR, DRIVE, PIPE, rig
 from vsensor.bus import Received, SurfaceInbox, open_session
 from vsensor.cli import main
 from vsensor.config import Bus, effective_toml
@@ -24,14 +24,6 @@ from vsensor.simulate.rig import Reading, SimulatedRig
 from vsensor.simulate.scenario import PLANS, Scenario
 
 STRING = (PIPE.model_copy(update={"length": 2500.0}), COLLAR)
-BIT = {
-    "inertia": 50.0,
-    "viscous_friction": 5.0,
-    "kinetic_torque": 3e3,
-    "static_torque": 8e3,
-    "stribeck_speed": 1.5,
-}
-DRIVE = {"inertia": 2000.0, "torque_lag": 0.005}
 RIG = rig(*STRING, bit=BIT, top_drive=DRIVE, rate=50.0)
 SECONDS = {Scenario.STICK_SLIP: 40, Scenario.SMOOTH: 60, Scenario.OFF_BOTTOM: 40, Scenario.CONNECTION: 90}
 
