@@ -28,7 +28,6 @@ ViscousFrictionPerLength = Annotated[float, _quantity("N*m*s/rad/m"), Field(ge=0
 TorquePerLength = Annotated[float, _quantity("N*m/m"), Field(ge=0)]
 Time = Annotated[float, _quantity("s"), Field(ge=0)]
 PositiveTime = Annotated[float, _quantity("s"), Field(gt=0)]
-Bandwidth = Annotated[float, _quantity("Hz"), Field(ge=0.05)]
 Rate = Annotated[float, _quantity("Hz"), Field(ge=1, le=5000)]
 Endpoint = Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]*/\S+$")]
 Switch = Annotated[bool, Field(strict=True)]
@@ -113,12 +112,28 @@ class Measurement(_Table):
 
 
 class EstimatorSettings(_Table):
-    """What is traded: bandwidth against noise and lag, section length against work."""
+    """What is traded: lag against noise, section length against work."""
 
-    bandwidth: Bandwidth = Field(default=3.0, description='a frequency from 0.05 Hz, such as "3 Hz"')
+    lag: PositiveTime = Field(default=0.5, le=10, description='a time up to 10 s, such as "0.5 s"')
     section_length: Length = 300.0
     learn: bool = True
     severity_window: PositiveTime = 20.0
+
+
+Share = Annotated[float, Field(gt=0, le=0.3, strict=True, allow_inf_nan=False)]
+
+
+class Tuning(_Table):
+    """How far the configuration may be from the truth, one standard deviation as a share of each.
+
+    The stated deviations count with it. Where `enabled`, the record itself corrects them, by no
+    more than three of these.
+    """
+
+    enabled: Switch = True
+    delay: Share = Field(default=0.01, description="a share such as 0.01")
+    inertia: Share = Field(default=0.05, description="a share such as 0.05")
+    friction: Share = Field(default=0.15, description="a share such as 0.15")
 
 
 class Loop(_Table):
@@ -178,19 +193,11 @@ class Rig(_Table):
     bit: Bit = Bit()
     measurement: Measurement = Measurement()
     estimator: EstimatorSettings = EstimatorSettings()
+    tuning: Tuning = Tuning()
     loop: Loop = Loop()
     bus: Bus = Bus()
     recording: Recording = Recording()
     view: View = View()
-
-    @model_validator(mode="after")
-    def _bandwidth_below_nyquist(self) -> Self:
-        if self.estimator.bandwidth >= self.loop.rate / 2:
-            raise ValueError(
-                f"estimator.bandwidth {self.estimator.bandwidth:g} Hz must be below half of "
-                f"loop.rate {self.loop.rate:g} Hz"
-            )
-        return self
 
     @property
     def prefix(self) -> str:

@@ -1,6 +1,7 @@
 """The virtual sensor: surface torque and speed in, the bit confirmed, now and foretold out."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -8,13 +9,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from vsensor.config import Bit, Rig
 from vsensor.estimator import kernel
+from vsensor.estimator.gains import Plant, gains, rock_fade
 from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.sections import Floats, Line, cut, steps_per_tick
-from vsensor.estimator.state import LEARNED, Model, fill, flat, fresh
-from vsensor.estimator.top_drive import smoothers
+from vsensor.estimator.state import Model, State, fill, fill_shadows, flat, fresh, is_learned, shadowed
+from vsensor.estimator.tune import EVERY_S, INERTIA, correct, tuned
 
-ERROR_MEMORY_S = 60.0
-"""Time over which the running error of a prediction forgets: some ten periods of stick-slip."""
+ROUND_TRIPS = 2
+"""After so many the waves that were guessed at the start, those of steady rotation, are forgotten."""
 
 
 class Estimates(NamedTuple):
@@ -36,37 +38,44 @@ class Estimator:
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
         tick = 1 / rig.loop.rate
-        steps = steps_per_tick(rig.string, tick, rig.estimator.bandwidth)
+        steps = steps_per_tick(rig.string, tick)
         line = cut(rig.string, tick / steps, rig.estimator.section_length)
-        self._model = _with_deviations(_model(rig, line, steps), rig)
-        self._state = fresh(self._model, self._rig.bit)
+        self._configured = _model(rig, line, steps)
+        self._between = round(EVERY_S * rig.loop.rate)
         self._one = (
             np.empty((2, 1)),
             np.empty(1, np.uint32),
             np.empty((1, kernel.COLUMNS)),
             np.empty(1, np.uint32),
         )
-        step = tick / steps
-        self.confirmed_delay = self._model.now * step
-        """How long before the tick the confirmed answer is for, s."""
-        self.forecast_horizon = (self._model.forecast - self._model.now) * step
-        """How long after the tick the forecast is for, s."""
-        self.warm_up = self._model.span * tick
+        self.reset()
+        self.warm_up = self._configured.span * tick
         """How much input is needed before the first answer, s."""
-        self.speed_noise = self._model.speed_std
-        """Standard deviation of the confirmed speed from the measurement's noise, rad/s."""
-        self.torque_noise = self._model.torque_std
-        """Standard deviation of the confirmed torque from the measurement's noise, N·m."""
 
     @property
     def line(self) -> Line:
-        """The string as cut into sections."""
+        """The string as cut into sections, delays and friction as corrected."""
         return self._model.line
 
     @property
     def steps_per_tick(self) -> int:
         """Internal steps in a tick."""
         return self._model.steps
+
+    @property
+    def confirmed_delay(self) -> float:
+        """How long before the tick the confirmed answer is for, s."""
+        return (self._model.lag + self._model.now / self._model.steps) / self._model.rate
+
+    @property
+    def forecast_horizon(self) -> float:
+        """How long after the tick the forecast is for, s."""
+        return (self._model.forecast - self._model.now) / self._model.steps / self._model.rate
+
+    @property
+    def tuning(self) -> Floats:
+        """Corrections in force of delay, top-drive inertia and wall friction, as shares; shape (3,)."""
+        return self._state.tuning.value.copy()
 
     @property
     def law(self) -> Bit:
@@ -83,32 +92,34 @@ class Estimator:
 
     def reset(self) -> None:
         """Forget everything, as at the start."""
-        self._state = fresh(self._model, self._rig.bit)
+        self._take(self._new())
 
     def restart(self) -> None:
-        """Forget all input, as after a long gap; what was learned of the rock and of our own errors stays."""
-        before = self._state
-        self.reset()
-        fill(self._state, {k: v for k, v in flat(before).items() if k in LEARNED})
-        lose_sight(self._state.learned)
+        """Forget all input, as after a long gap; what was learned stays."""
+        state = self._new()
+        fill(state, {name: array for name, array in flat(self._state).items() if is_learned(name)})
+        lose_sight(state.learned)
+        self._take(state)
 
     def save(self) -> dict[str, NDArray[np.generic]]:
         """The whole state as named arrays: restored, it goes on to the same bits."""
-        return flat(self._state)
+        return flat(self._state, *self._shadows.states)
 
     def restore(self, saved: Mapping[str, NDArray[np.generic]]) -> None:
         """Take up a saved state. Raises ValueError where it is of another string, rate or version."""
-        state = fresh(self._model, self._rig.bit)
-        if saved.keys() != flat(state).keys():
-            raise ValueError(f"the saved state holds {sorted(saved)}, not {sorted(flat(state))}")
+        state = self._new()
+        states = (state, *shadowed(self._configured, state).states)
+        if saved.keys() != (mine := flat(*states)).keys():
+            raise ValueError(f"the saved state holds {sorted(saved)}, not {sorted(mine)}")
         fill(state, saved)
-        self._state = state
+        self._take(state)
+        fill_shadows(self._shadows.states, saved)
 
     def step(self, torque: float, speed: float, reasons: int = 0) -> tuple[Floats, int]:
         """Run one tick; returns the answers (12,), valid until the next call, and the flags."""
         inputs, flags, values, lasting = self._one
         inputs[0, 0], inputs[1, 0], flags[0] = torque, speed, reasons
-        kernel.advance(self._model, self._state, inputs[0], inputs[1], flags, values, lasting)
+        self._advance(inputs[0], inputs[1], flags, values, lasting)
         return values[0], int(lasting[0])
 
     def run(self, torque: ArrayLike, speed: ArrayLike, reasons: ArrayLike | None = None) -> Estimates:
@@ -126,58 +137,94 @@ class Estimator:
                 f"{n} torques, {len(speeds)} speeds and {len(flags)} reasons: lengths must agree"
             )
         out = Estimates(np.empty((n, kernel.COLUMNS)), np.empty(n, np.uint32))
-        kernel.advance(self._model, self._state, torques, speeds, flags, out.values, out.reasons)
+        for start, end in self._between_corrections(n):
+            part = slice(start, end)
+            self._advance(torques[part], speeds[part], flags[part], out.values[part], out.reasons[part])
         return out
+
+    def _between_corrections(self, n: int) -> Iterator[tuple[int, int]]:
+        """Cut n ticks where the configuration is corrected: at the same ticks however they come in."""
+        start = 0
+        while start < n:
+            done = int(self._state.ticks[0])
+            end = min(n, start + self._between - done % self._between)
+            yield start, end
+            start = end
+
+    def _advance(
+        self,
+        torques: Floats,
+        speeds: Floats,
+        flags: NDArray[np.uint32],
+        values: Floats,
+        lasting: NDArray[np.uint32],
+    ) -> None:
+        kernel.advance(self._model, self._state, self._shadows, torques, speeds, flags, values, lasting)
+        if self._state.ticks[0] % self._between == 0:
+            if correct(self._state.tuning, self._shadows.off, self._rig.tuning.enabled):
+                self._tune()
+
+    def _new(self) -> State:
+        return fresh(self._configured, self._rig.bit, self._rig.tuning)
+
+    def _take(self, state: State) -> None:
+        self._state = state
+        self._model = self._corrected()
+        self._shadows = shadowed(self._model, state)
+
+    def _tune(self) -> None:
+        """Let model and shadows follow the corrections; what is in their lines stays there."""
+        self._model = self._corrected()
+        self._shadows = self._shadows._replace(models=shadowed(self._model, self._state).models)
+
+    def _corrected(self) -> Model:
+        value = self._state.tuning.value
+        line = tuned(self._configured.line, value)
+        rate = self._configured.drive_rate * (1 + float(value[INERTIA]))
+        return _timed(self._configured._replace(line=line, drive_rate=rate))
 
 
 def _model(rig: Rig, line: Line, steps: int) -> Model:
-    rate = rig.loop.rate
-    smooth = smoothers(rig.top_drive, rig.measurement, rig.estimator.bandwidth, rate, steps)
-    window = smooth.confirmed.speed_of_speed.shape[1]
-    round_trip = int(line.round_trip.sum())
-    return Model(
+    rate, drive, measured = rig.loop.rate, rig.top_drive, rig.measurement
+    passed = drive.gear_ratio * drive.efficiency
+    plant = Plant(
         line=line,
+        drag=rig.bit.viscous_friction,
         bit_rate=2 * rig.bit.inertia * rate * steps,
-        smooth=smooth,
+        drive_rate=2 * drive.inertia * rate * steps,
         steps=steps,
-        now=smooth.lag * steps + round_trip // 2,
-        forecast=smooth.lag * steps + round_trip,
-        # One step more than the waves need, for the bit's acceleration.
-        span=window - 1 + -(-(round_trip + 1) // steps) + 1,
-        memory=round(ERROR_MEMORY_S * rate),
-        drive_rate=2 * rig.top_drive.inertia * rate * steps,
         rate=rate,
+        torque_noise=measured.torque_noise * passed,
+        speed_noise=measured.speed_noise / drive.gear_ratio,
+    )
+    lag = max(1, round(rig.estimator.lag * rate))
+    late = drive.torque_lag * rate
+    behind = math.ceil(late)
+    round_trip = int(line.round_trip.sum())
+    model = Model(
+        line=line,
+        gains=gains(plant, lag, (behind + round_trip / 2 / steps, round_trip / steps)),
+        bit_rate=plant.bit_rate,
+        drive_rate=plant.drive_rate,
+        passed=passed,
+        turns=drive.gear_ratio,
+        limits=(measured.torque_limit / drive.gear_ratio, measured.speed_limit * drive.gear_ratio),
+        rate=rate,
+        steps=steps,
+        behind=behind,
+        late=late,
+        lag=lag,
+        now=0,
+        forecast=0,
+        span=behind + lag + -(-ROUND_TRIPS * round_trip // steps),
+        fade=rock_fade(rate * steps),
         learns=rig.estimator.learn,
-        speed_std=0.0,
-        torque_std=0.0,
     )
+    return _timed(model)
 
 
-def _with_deviations(model: Model, rig: Rig) -> Model:
-    """Enter the standard deviations that the measurement's noise gives the confirmed answer.
-
-    The estimator is linear but for Coulomb friction, so that white noise of each channel comes
-    out with the root of the sum of squares of the answer to a unit impulse on that channel.
-    """
-    free = model.line._replace(
-        kinetic=np.zeros_like(model.line.kinetic), static=np.zeros_like(model.line.static)
-    )
-    linear = model._replace(line=free)
-    of_torque = _impulse_energy(linear, rig.bit, 1.0, 0.0)
-    of_speed = _impulse_energy(linear, rig.bit, 0.0, 1.0)
-    noise = rig.measurement
-    variance = of_torque * noise.torque_noise**2 + of_speed * noise.speed_noise**2
-    speed_std, torque_std = np.sqrt(variance)
-    return model._replace(speed_std=float(speed_std), torque_std=float(torque_std))
-
-
-def _impulse_energy(model: Model, bit: Bit, torque: float, speed: float) -> Floats:
-    """Sum of squares of the confirmed bit speed and torque after a unit impulse, shape (2,)."""
-    n = model.span + 1
-    torques, speeds = np.zeros(2 * n), np.zeros(2 * n)
-    torques[n], speeds[n] = torque, speed
-    out = np.empty((2 * n, kernel.COLUMNS))
-    flags = np.zeros(2 * n, np.uint32)
-    kernel.advance(model, fresh(model, bit), torques, speeds, flags, out, flags.copy())
-    answer = out[n:, [kernel.CONFIRMED + kernel.SPEED, kernel.CONFIRMED + kernel.TORQUE]]
-    return np.asarray((answer**2).sum(axis=0))
+def _timed(model: Model) -> Model:
+    """The model with the times that follow from its line."""
+    round_trip = int(model.line.round_trip.sum())
+    now = model.behind * model.steps + round_trip // 2
+    return model._replace(now=now, forecast=max(now, round_trip))

@@ -1,4 +1,4 @@
-"""One tick of the estimator, compiled: take the input, confirm, score, march, answer. No allocation."""
+"""One tick of the estimator, compiled: take the input, observe, score, learn, march, answer. No allocation."""
 
 import math
 
@@ -6,10 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vsensor.estimator.ahead import predict
-from vsensor.estimator.confirm import confirm
+from vsensor.estimator.gains import TOLD_BIT_SPEED, TOLD_BIT_TORQUE
 from vsensor.estimator.learn import learn, lose_sight
+from vsensor.estimator.observe import observe, settle
+from vsensor.estimator.rock import weigh_rock
+from vsensor.estimator.score import VALUE, foretell, score, variance
 from vsensor.estimator.sections import Floats
-from vsensor.estimator.state import FLAGS, Model, State
+from vsensor.estimator.state import FLAGS, Model, Shadows, State
+from vsensor.estimator.tune import DELAY, FRICTION, INERTIA, SETTLED_S, SHADOWED, SHADOWS, wall_torque
+from vsensor.estimator.tune import MEMORY_S as TUNING_MEMORY_S
 from vsensor.jit import compiled
 from vsensor.quality import Reason
 
@@ -21,13 +26,15 @@ COLUMNS = 12
 _WARMING_UP = int(Reason.WARMING_UP)
 _STALE_TORQUE = int(Reason.STALE_TORQUE)
 _STALE_SPEED = int(Reason.STALE_SPEED)
-_NOT_MEASURED = _WARMING_UP | _STALE_TORQUE | _STALE_SPEED
+_STALE = _STALE_TORQUE | _STALE_SPEED
+_NOT_MEASURED = _WARMING_UP | _STALE
 
 
 @compiled
 def advance(
     model: Model,
     state: State,
+    shadows: Shadows,
     torque: Floats,
     speed: Floats,
     reasons: NDArray[np.uint32],
@@ -36,39 +43,57 @@ def advance(
 ) -> None:
     """Run n ticks: inputs (n,), `out` (n, COLUMNS) and `out_reasons` (n,) are filled.
 
-    An input that is not finite counts as missing: the last one is held, and flagged.
+    An input that is not finite, or beyond belief, counts as missing: the last one is held, and flagged.
     """
     for k in range(torque.shape[0]):
-        flags = _enter(state, torque[k], speed[k], reasons[k])
+        flags = _enter(model, state, torque[k], speed[k], reasons[k])
+        if state.ticks[0] == 0:
+            settle(model, state, state.inputs[0, 0], state.inputs[1, 0])
+            for shadow in range(SHADOWS):
+                settle(shadows.models[shadow], shadows.states[shadow], state.inputs[0, 0], state.inputs[1, 0])
         out_reasons[k] = _lasting(model, state, flags)
-        confirm(model, state)
+        observe(model, state)
+        for shadow in range(SHADOWS):
+            observe(shadows.models[shadow], shadows.states[shadow])
         if not out_reasons[k] & _NOT_MEASURED:
-            _score(model, state)
+            _score(model, state, shadows)
         if out_reasons[k]:
             lose_sight(state.learned)
-        elif model.learns:
+        else:
             _learn(model, state)
+            if state.ticks[0] > SETTLED_S * model.rate:
+                _tune(model, state, shadows)
         predict(model, state)
-        _answer(model, state, out_reasons[k], out[k])
+        _foretell(model, state)
+        _answer(model, state, shadows, out_reasons[k], out[k])
         state.ticks[0] += 1
 
 
 @compiled
-def _enter(state: State, torque: float, speed: float, reasons: int) -> int:
-    width = state.torque.shape[0] // 2
+def _enter(model: Model, state: State, torque: float, speed: float, reasons: int) -> int:
     tick = state.ticks[0]
-    before = (tick - 1) % width
     flags = int(reasons)
-    if not math.isfinite(torque):
-        torque = state.torque[before]
+    if not abs(torque) <= model.limits[0]:
         flags |= _STALE_TORQUE
-    if not math.isfinite(speed):
-        speed = state.speed[before]
+    if not abs(speed) <= model.limits[1]:
         flags |= _STALE_SPEED
-    place = tick % width
-    state.torque[place] = state.torque[place + width] = torque
-    state.speed[place] = state.speed[place + width] = speed
+    _keep(state, 0, torque, flags & _STALE_TORQUE != 0)
+    _keep(state, 1, speed, flags & _STALE_SPEED != 0)
     return flags
+
+
+@compiled
+def _keep(state: State, channel: int, value: float, missing: bool) -> None:
+    """Enter a sample; the last one again where it is missing, the first one as if it had long been so."""
+    width = state.inputs.shape[1]
+    place = state.ticks[0] % width
+    state.missing[channel, place] = 1 if missing else 0
+    if missing:
+        state.inputs[channel, place] = state.inputs[channel, (place - 1) % width]
+    elif state.ticks[0] == 0:
+        state.inputs[channel, :] = value
+    else:
+        state.inputs[channel, place] = value
 
 
 @compiled
@@ -85,54 +110,104 @@ def _lasting(model: Model, state: State, flags: int) -> int:
 
 
 @compiled
-def _learn(model: Model, state: State) -> None:
-    mask = state.waves.shape[1] - 1
-    newest = state.ticks[0] * model.steps + model.steps - 1
-    speed, torque = state.confirmed[0, newest & mask], state.confirmed[1, newest & mask]
-    learn(state.learned, model.line, state.junctions, speed, torque, model.rate, state.ticks[0])
+def _confirmed_step(model: Model, state: State) -> int:
+    """The internal step whose answer no later innovation corrects."""
+    return int((state.ticks[0] - model.lag) * model.steps + model.steps - 1)
 
 
 @compiled
-def _score(model: Model, state: State) -> None:
+def _learn(model: Model, state: State) -> None:
+    at = _confirmed_step(model, state) & (state.told.shape[1] - 1)
+    speed, torque = state.told[TOLD_BIT_SPEED, at], state.told[TOLD_BIT_TORQUE, at]
+    weigh_rock(model, state, speed, torque)
+    if model.learns:
+        held = state.held[(state.ticks[0] - model.lag) % state.held.shape[0]]
+        learn(state.learned, held, speed, torque, model.rate, state.ticks[0])
+
+
+@compiled
+def _tune(model: Model, state: State, shadows: Shadows) -> None:
+    """Add up how well model and shadows foresaw this tick's speed."""
+    misfit = state.tuning.misfit
+    expected = model.gains.innovation[state.level[0]] * max(1.0, state.surprise[0])
+    keep = 1.0 - 1.0 / (TUNING_MEMORY_S * model.rate)
+    for p in range(SHADOWED):
+        misfit[p, 0] = keep * misfit[p, 0] + state.innovation[0] ** 2 / expected
+        for way in range(2):
+            miss = shadows.states[2 * p + way].innovation[0]
+            misfit[p, 1 + way] = keep * misfit[p, 1 + way] + miss * miss / expected
+
+
+@compiled
+def _doubt(model: Model, state: State, shadows: Shadows, quantity: int, step: int) -> float:
+    """Variance of a confirmed answer: by noise and rock, and by what is uncertain of the parameters."""
+    mask = state.told.shape[1] - 1
+    by_noise = model.gains.variance[state.level[0], quantity] * max(1.0, state.surprise[0])
+    # With longer delays the bit of a moment is seen later.
+    longer = shadows.states[2 * DELAY].told[quantity, (step + shadows.shift) & mask]
+    shorter = shadows.states[2 * DELAY + 1].told[quantity, (step - shadows.shift) & mask]
+    heavier = shadows.states[2 * INERTIA].told[quantity, step & mask]
+    lighter = shadows.states[2 * INERTIA + 1].told[quantity, step & mask]
+    variance = state.tuning.variance
+    by_parameters = variance[DELAY] * ((longer - shorter) / (2.0 * shadows.off[DELAY])) ** 2
+    by_parameters += variance[INERTIA] * ((heavier - lighter) / (2.0 * shadows.off[INERTIA])) ** 2
+    if quantity == TOLD_BIT_TORQUE:
+        wall = wall_torque(model.line, state.told[TOLD_BIT_SPEED, step & mask])
+        by_parameters += variance[FRICTION] * wall * wall
+    return float(by_noise + by_parameters)
+
+
+@compiled
+def _score(model: Model, state: State, shadows: Shadows) -> None:
     """Hold what was foretold against what is confirmed by now."""
-    mask = state.waves.shape[1] - 1
-    newest = state.ticks[0] * model.steps + model.steps - 1
+    mask = state.told.shape[1] - 1
+    newest = _confirmed_step(model, state)
     for kind in range(2):
         ahead = model.now if kind == 0 else model.forecast
-        # Only one step of this tick was foretold from the last step of a tick.
+        # Only one step of a tick was foretold from the last step of a tick.
         tick = (newest - ahead + 1) // model.steps - 1
         step = tick * model.steps + model.steps - 1 + ahead
         if tick < model.span:
             continue
-        place = tick % state.foretold.shape[2]
-        state.scored[kind] += 1
-        gain = 1.0 / min(state.scored[kind], model.memory)
+        state.scores.scored[kind] += 1
         for q in range(2):
-            miss = state.foretold[kind, q, place] - state.confirmed[q, step & mask]
-            state.errors[kind, q] += gain * (miss * miss - state.errors[kind, q])
+            truth = state.told[q, step & mask]
+            score(state.scores, kind, q, tick, truth, _doubt(model, state, shadows, q, step), model.rate)
 
 
 @compiled
-def _answer(model: Model, state: State, reasons: int, out: Floats) -> None:
+def _foretell(model: Model, state: State) -> None:
+    level = state.level[0]
+    restless = state.rock_square[0] / model.gains.levels[level] ** 2
+    for kind in range(2):
+        ahead = model.now if kind == 0 else model.forecast
+        unforeseen = model.gains.unforeseen[level, kind]
+        foretell(state.scores, kind, state.ticks[0], state.ahead, ahead, unforeseen, restless)
+
+
+@compiled
+def _answer(model: Model, state: State, shadows: Shadows, reasons: int, out: Floats) -> None:
     """Fill a row with what is known and how well; what has no known deviation is not told."""
     out[:] = math.nan
     if reasons & _WARMING_UP:
         return
-    by_law = reasons & (_STALE_TORQUE | _STALE_SPEED) != 0
-    newest = (state.ticks[0] * model.steps + model.steps - 1) & (state.waves.shape[1] - 1)
-    place = state.ticks[0] % state.foretold.shape[2]
+    by_law = reasons & _STALE != 0
+    confirmed = _confirmed_step(model, state)
+    place = state.ticks[0] % state.scores.foretold.shape[3]
     for q in range(2):
-        noise = model.speed_std if q == 0 else model.torque_std
-        if not by_law:
-            _tell(out, CONFIRMED + 2 * q, state.confirmed[q, newest], noise * noise)
-        elif state.scored[0] > 0:
-            _tell(out, CONFIRMED + 2 * q, state.confirmed[q, newest], noise * noise + state.errors[0, q])
+        doubt = _doubt(model, state, shadows, q, confirmed)
+        now = state.scores.foretold[0, q, :, place]
+        if by_law:
+            doubt += variance(state.scores, 0, q, now)
+        if not by_law or state.scores.scored[0] > 0:
+            _tell(out, CONFIRMED + 2 * q, state.told[q, confirmed & (state.told.shape[1] - 1)], doubt)
         for kind in range(2):
-            if state.scored[kind] > 0:
-                # Without a measured bit to set out from, that one's error comes on top.
-                times = 2.0 if by_law else 1.0
+            if state.scores.scored[kind] > 0:
+                foretold = state.scores.foretold[kind, q, :, place]
+                missed = variance(state.scores, kind, q, foretold)
+                # What was foretold was held against a confirmed answer that is not exact itself.
                 at = (NOW if kind == 0 else FORECAST) + 2 * q
-                _tell(out, at, state.foretold[kind, q, place], times * state.errors[kind, q])
+                _tell(out, at, foretold[VALUE], missed + doubt)
 
 
 @compiled

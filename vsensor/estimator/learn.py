@@ -15,7 +15,7 @@ import numpy as np
 
 from vsensor.config import Bit
 from vsensor.estimator.load import Load
-from vsensor.estimator.sections import Floats, Integers, Line
+from vsensor.estimator.sections import Floats, Integers
 from vsensor.jit import compiled
 
 STRIBECK_SPEEDS = np.geomspace(0.2, 5.0, 9)
@@ -93,10 +93,11 @@ def load_in_force(learned: Learned, inertia_rate: float) -> Load:
 
 
 @compiled
-def learn(
-    learned: Learned, line: Line, junctions: Floats, speed: float, torque: float, rate: float, tick: int
-) -> None:
-    """Take one confirmed pair of bit speed and torque, with the speeds along the string (M + 1,)."""
+def learn(learned: Learned, held: float, speed: float, torque: float, rate: float, tick: int) -> None:
+    """Take one confirmed pair of bit speed and torque.
+
+    Of the torque `held` (N·m) may be held by resting parts of the wall, and need not be by the bit.
+    """
     _forget(learned, math.exp(-1 / (MEMORY_S * rate)))
     if abs(speed) > SLIDING:
         if learned.stop[0] >= STICK_S * rate:
@@ -106,7 +107,7 @@ def learn(
         _slide(learned, abs(speed), math.copysign(torque, torque * speed), rate)
     else:
         learned.stop[0] += 1
-        learned.scale[1] = max(learned.scale[1], abs(torque) - _bound(line, junctions))
+        learned.scale[1] = max(learned.scale[1], abs(torque) - held)
     if tick % max(1, int(EVERY_S * rate)) == 0:
         _work_out(learned, INERTIA_S * rate)
 
@@ -148,16 +149,6 @@ def _add(learned: Learned, speed: float, torque: float, weight: float) -> None:
             for j in range(3):
                 learned.normal[c, i, j] += weight * row[i] * row[j]
     learned.square[0] += weight * torque * torque
-
-
-@compiled
-def _bound(line: Line, junctions: Floats) -> float:
-    """Torque that resting parts of the wall may hold, so that it need not be the bit that does."""
-    held = 0.0
-    for junction in range(junctions.shape[0]):
-        if junctions[junction] == 0:
-            held += line.static[junction]
-    return held
 
 
 @compiled

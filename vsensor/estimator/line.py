@@ -12,48 +12,8 @@ from vsensor.estimator.load import Load, contact, foot, law, turn_bit
 from vsensor.estimator.sections import Floats, Line
 from vsensor.jit import compiled
 
-FADE_SPEED = 1.0
-"""Below this speed (rad/s) Coulomb friction fades to zero in the descent. A junction at rest may bear
-any torque up to the static one, and the sign of a speed that is nearly all noise (0.1 to 0.2 rad/s
-of it, deep down) would throw the full friction from side to side."""
-
-REST_SPEED = 0.2
-"""A junction confirmed to turn more slowly than this (rad/s), its noise, sets out on a march at rest."""
-
-
-@compiled
-def descend(
-    line: Line, waves: Floats, speeds: Floats, step: int, torque: float, speed: float
-) -> tuple[float, float]:
-    """Peel the string from its top: torque and speed there at `step`, to those at its bottom.
-
-    Enters the waves of this step into `waves` and the junctions' speeds into `speeds` (M + 1,).
-    No allocation; a few flops a section.
-    """
-    mask = waves.shape[1] - 1
-    now = step & mask
-    t = torque - rubbing(line, 0, speed)
-    w = speed
-    speeds[0] = speed
-    for i in range(line.impedance.shape[0]):
-        z = line.impedance[i]
-        f = t + z * w
-        g = t - z * w
-        waves[i, now] = f
-        arrived = waves[i, (step - line.round_trip[i]) & mask]
-        t = 0.5 * (arrived + g)
-        w = 0.5 * (arrived - g) / z
-        t -= rubbing(line, i + 1, w)
-        speeds[i + 1] = w
-    return t, w
-
-
-@compiled
-def rubbing(line: Line, junction: int, speed: float) -> float:
-    """Friction of a junction that turns at a confirmed speed, N·m."""
-    # min and max would say the same, but cost a seventh of the descent.
-    share = -1.0 if speed < -FADE_SPEED else 1.0 if speed > FADE_SPEED else speed / FADE_SPEED
-    return float(line.viscous[junction] * speed + line.kinetic[junction] * share)
+EVERY_JUNCTION = 1 << 60
+"""A reach for the march that spares no junction."""
 
 
 @compiled
@@ -66,6 +26,7 @@ def march(
     heard: int,
     reach: int,
     external: float,
+    fade: float,
     speeds: Floats,
     balance: float,
     told: Floats,
@@ -76,8 +37,8 @@ def march(
     `heard` and is taken to stay from then on. `speeds` (M + 1,) and `balance`, J dω/dt of the bit,
     are the state at `known`; the first is replaced. Each step leaves bit speed and torque in `told`
     (2, ≥ steps). Only junctions whose wave reaches the bit within `reach` steps matter; none is spared
-    where that is large. `external` is a further torque on the bit. Returns the wave g that leaves
-    the top at the last step, and the new balance.
+    where that is large. `external` is a further torque on the bit, of which a share `fade` is left at
+    each following step. Returns the wave g that leaves the top at the last step, and the new balance.
     """
     mask = waves.shape[1] - 1
     last = line.impedance.shape[0] - 1
@@ -97,6 +58,7 @@ def march(
         told[0, ahead - 1] = w
         told[1, ahead - 1] = external + (law(load, w) if w != 0 else f)
         g = f + external - 2 * at.impedance * w
+        external *= fade
         for i in range(last - 1, highest - 1, -1):
             if i < 0:  # never so; but said, it spares the compiler its care for negative indices: a fifth
                 break

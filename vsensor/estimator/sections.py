@@ -16,9 +16,9 @@ Integers = NDArray[np.int64]
 FINEST = 32
 """At most so many internal steps in a tick; components shorter than one are lumped with a neighbour."""
 
-SAMPLES_PER_PERIOD = 50
-"""Internal steps in a period of the highest frequency estimated: delays are rounded to half a step,
-which then turns that frequency's phase by at most π/50 at any junction, however long the string."""
+LONGEST_STEP_S = 4e-3
+"""Delays are rounded to half a step: at 5 Hz, beyond which a string tells next to nothing of its bit,
+that turns a wave's phase by at most π/50 at any junction, however long the string."""
 
 
 class Line(NamedTuple):
@@ -34,6 +34,8 @@ class Line(NamedTuple):
     """Coulomb friction of each junction while it turns, N·m, shape (M + 1,)."""
     static: Floats
     """The torque at which a resting junction breaks away, N·m, shape (M + 1,)."""
+    depth: Floats
+    """Each junction's travel time from the top, in internal steps, not rounded, shape (M + 1,)."""
 
 
 class _Part(NamedTuple):
@@ -44,10 +46,9 @@ class _Part(NamedTuple):
     static: float
 
 
-def steps_per_tick(string: Sequence[Component], tick_s: float, bandwidth_hz: float) -> int:
+def steps_per_tick(string: Sequence[Component], tick_s: float) -> int:
     """How many internal steps a tick takes so that every component lasts one and rounding stays small."""
-    shortest = min(component.delay(part) for part in string)
-    step = min(shortest, 1 / (SAMPLES_PER_PERIOD * bandwidth_hz))
+    step = min(LONGEST_STEP_S, *(component.delay(part) for part in string))
     return min(FINEST, math.ceil(tick_s / step * (1 - 1e-12)))
 
 
@@ -58,16 +59,28 @@ def cut(string: Sequence[Component], step_s: float, section_length: float) -> Li
     Depths, not lengths, are rounded to the grid, so that the error never adds up.
     """
     parts = _merged([piece for part in string for piece in _pieces(part, section_length)], step_s)
-    depth = np.floor(np.cumsum([0.0, *(part.delay for part in parts)]) / step_s + 0.5).astype(np.int64)
-    for i in range(1, len(depth)):  # whatever the rounding of a sum of floats: no section without a step
-        depth[i] = max(depth[i], depth[i - 1] + 1)
+    depth = np.cumsum([0.0, *(part.delay for part in parts)]) / step_s
     return Line(
         impedance=np.array([part.impedance for part in parts]),
-        round_trip=2 * np.diff(depth),
+        round_trip=_round_trips(depth),
         viscous=_at_junctions([part.viscous for part in parts]),
         kinetic=_at_junctions([part.kinetic for part in parts]),
         static=_at_junctions([part.static for part in parts]),
+        depth=depth,
     )
+
+
+def stretched(line: Line, share: float) -> Line:
+    """The line with all its delays longer by a share, the impedances as they are."""
+    depth = line.depth * (1 + share)
+    return line._replace(round_trip=_round_trips(depth), depth=depth)
+
+
+def _round_trips(depth: Floats) -> Integers:
+    on_grid = np.floor(depth + 0.5).astype(np.int64)
+    for i in range(1, len(on_grid)):  # whatever the rounding of a sum of floats: no section without a step
+        on_grid[i] = max(on_grid[i], on_grid[i - 1] + 1)
+    return np.asarray(2 * np.diff(on_grid))
 
 
 def _pieces(part: Component, section_length: float) -> list[_Part]:

@@ -1,128 +1,211 @@
 """What the estimator is, and what it remembers: plain arrays, laid out once."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vsensor.config import Bit
+from vsensor.config import Bit, Tuning as Settings
+from vsensor.estimator.gains import Gains
 from vsensor.estimator.learn import Learned, fresh_law
-from vsensor.estimator.sections import Floats, Integers, Line
-from vsensor.estimator.top_drive import Smoothers
+from vsensor.estimator.score import Scores, fresh_scores
+from vsensor.estimator.sections import Floats, Integers, Line, stretched
+from vsensor.estimator.tune import Tuning, fresh_tuning
 
 FLAGS = 16
 """Room for so many kinds of `quality.Reason`."""
 TOP, BIT = range(2)
 """The two ends that have an inertia of their own."""
-LEARNED = ("errors", "scored", *(f"learned.{name}" for name in Learned._fields))
-"""What stays when the waves are lost."""
+TORQUE, SPEED = range(2)
+"""The two channels."""
+LEARNED = ("scores", "learned", "tuning", "rock_square", "level")
+"""What stays when the waves are lost: these, and all within them."""
+
+
+OWN = ("waves", "junctions", "balances", "rock", "told", "held", "innovation", "surprise")
+"""What a shadow has of its own."""
+SHADOW_DELAY = 0.008
+SHADOW_INERTIA = 0.05
+"""How far the shadows are off: enough to be told apart from rounding, too little to be another string."""
 
 
 class Model(NamedTuple):
     """What does not change while running. Times in internal steps, `steps` of which make a tick."""
 
     line: Line
+    gains: Gains
     bit_rate: float
     """2 J / Δt of the bit, N·m·s/rad: what its inertia adds to an impedance (trapezoid rule)."""
-    smooth: Smoothers
-    steps: int
-    now: int
-    """From a confirmed step to the present: the smoother's lag and the line's one-way delay."""
-    forecast: int
-    """From a confirmed step to the last that waves already sent reach: the lag and the line's round trip."""
-    span: int
-    """Ticks for which an input takes part in the confirmed answer."""
-    memory: int
-    """Ticks over which a prediction's running error forgets."""
     drive_rate: float
     """The same of the top drive."""
+    passed: float
+    """String torque for one of motor torque: gear · efficiency."""
+    turns: float
+    """Motor turns for one of the string."""
+    limits: tuple[float, float]
+    """Motor torque, N·m, and speed, rad/s, beyond which a value is taken for missing."""
     rate: float
     """Ticks a second."""
+    steps: int
+    behind: int
+    """Ticks by which the model string is behind the newest sample: torque is reported late."""
+    late: float
+    """How late, in ticks."""
+    lag: int
+    """Ticks for which later samples correct an answer before it is confirmed."""
+    now: int
+    """From the newest step of the model string to the present of the bit: its delay and the line's, one way."""
+    forecast: int
+    """From there to the end of the forecast: at the most, the line's round trip."""
+    span: int
+    """Ticks for which an input takes part in the confirmed answer."""
+    fade: float
+    """Share of the rock's torque left after an internal step."""
     learns: bool
     """Whether the load law is learned, or stays as configured."""
-    speed_std: float
-    """Standard deviation that the measurement's noise gives the confirmed bit speed, rad/s."""
-    torque_std: float
-    """The same of its torque, N·m."""
 
 
 class State(NamedTuple):
     """What changes from tick to tick; plain arrays, so that saving it is copying them."""
 
-    torque: Floats
-    """Motor torque, the window of the smoother written twice over, so that it is always in one piece."""
-    speed: Floats
+    inputs: Floats
+    """Motor torque and speed of the last ticks, a ring, shape (2, ticks);"""
+    missing: Integers
+    """and whether each was missing, 0 or 1, same shape."""
     waves: Floats
     """The wave f at the top of each section by internal step, shape (M, size), size a power of two."""
     junctions: Floats
-    """Speed of each junction at the last confirmed step, 0 for one at rest, shape (M + 1,)."""
-    top: Floats
-    """Torque, N·m, and speed, rad/s, of the string's top at that step, shape (2,)."""
+    """Speed of each junction at the newest step, 0 for one at rest, shape (M + 1,)."""
     balances: Floats
     """J dω/dt of top drive and bit at that step, N·m, shape (2,)."""
-    confirmed: Floats
-    """Bit speed and torque by internal step, a ring as long as that of the waves, shape (2, size)."""
-    foretold: Floats
-    """What each tick said of now and of the forecast, a ring, shape (2, 2, ticks)."""
-    errors: Floats
-    """Running mean square error of now and forecast, of speed and torque, shape (2, 2)."""
-    scored: Integers
-    """Predictions scored so far, of now and of the forecast, shape (2,)."""
+    rock: Floats
+    """What the rock asks beyond the load law, N·m, shape (1,)."""
+    told: Floats
+    """Answers by internal step: bit speed and torque, top speed and torque; a ring, shape (4, size)."""
+    held: Floats
+    """Friction that resting parts of the wall may have held at each tick, N·m, a ring."""
+    innovation: Floats
+    """What the measured speed says beyond the model's, rad/s; NaN where a channel is missing, shape (1,)."""
+    surprise: Floats
+    """Mean square of the innovations over what was expected, shape (1,)."""
+    rock_square: Floats
+    """Mean square of the rock's torque, (N·m)², shape (1,)."""
+    level: Integers
+    """Which of the gains are in force, shape (1,)."""
     ticks: Integers
     """Ticks done, shape (1,)."""
     last_seen: Integers
     """The last tick at which each flag was raised, shape (FLAGS,)."""
     learned: Learned
     """The load law and what it was learned from."""
+    scores: Scores
+    """What was foretold, and how far it missed."""
+    tuning: Tuning
+    """What was learned of the configuration's own errors."""
     marching: Floats
     """Room for the march: each junction's speed,"""
-    told: Floats
+    ahead: Floats
     """and the bit's speed and torque at each of its steps, shape (2, steps)."""
 
 
-def fresh(model: Model, bit: Bit) -> State:
+class Shadows(NamedTuple):
+    """Model strings that are a little off: longer delays, shorter ones, more inertia, less (tune.py)."""
+
+    models: tuple[Model, Model, Model, Model]
+    states: tuple[State, State, State, State]
+    off: Floats
+    """By how much, as a share, shape (2,)."""
+    shift: int
+    """Internal steps by which the bit is seen later with longer delays."""
+
+
+def fresh(model: Model, bit: Bit, settings: Settings) -> State:
     """The state before the first tick."""
-    width = model.smooth.confirmed.speed_of_speed.shape[1]
     sections = len(model.line.impedance)
-    end = max(model.forecast, model.smooth.lag * model.steps)
-    longest = int(model.line.round_trip.max())
-    size = 1 << int(end + longest + model.steps).bit_length()
+    # Tuning may lengthen the line by a few hundredths.
+    longest = int(1.1 * model.line.round_trip.max()) + 2
+    back = max(model.lag * model.steps, longest)
+    ahead = int(1.1 * model.forecast) + model.steps
+    size = 1 << int(ahead + back + model.steps).bit_length()
+    level = len(model.gains.levels) // 2
     return State(
-        torque=np.zeros(2 * width),
-        speed=np.zeros(2 * width),
+        inputs=np.zeros((2, model.behind + 2)),
+        missing=np.zeros((2, model.behind + 2), np.int64),
         waves=np.zeros((sections, size)),
         junctions=np.zeros(sections + 1),
-        top=np.zeros(2),
         balances=np.zeros(2),
-        confirmed=np.zeros((2, size)),
-        foretold=np.full((2, 2, end // model.steps + 2), np.nan),
-        errors=np.zeros((2, 2)),
-        scored=np.zeros(2, np.int64),
+        rock=np.zeros(1),
+        told=np.zeros((4, size)),
+        held=np.zeros(model.lag + 1),
+        innovation=np.full(1, np.nan),
+        surprise=np.ones(1),
+        rock_square=np.array([model.gains.levels[level] ** 2]),
+        level=np.array([level]),
         ticks=np.zeros(1, np.int64),
         last_seen=np.full(FLAGS, -(1 << 62), np.int64),
         learned=fresh_law(bit),
+        scores=fresh_scores(ahead // model.steps + model.lag + 2, model.rate),
+        tuning=fresh_tuning(settings),
         marching=np.zeros(sections + 1),
-        told=np.zeros((2, end)),
+        ahead=np.zeros((2, ahead)),
     )
 
 
-def flat(state: State) -> dict[str, NDArray[np.generic]]:
-    """Copies of a state's arrays by name, those of the learned law as `learned.NAME`."""
-    named = {name: array for name, array in state._asdict().items() if name != "learned"}
-    learned = {f"learned.{name}": array for name, array in state.learned._asdict().items()}
-    return {name: array.copy() for name, array in (named | learned).items()}
+def shadowed(model: Model, state: State) -> Shadows:
+    """Shadows of a model string, as it stands: what they share with it they share, their waves are copies."""
+    line = model.line
+    shift = max(1, round(SHADOW_DELAY * line.depth[-1]))
+    off = np.array([shift / line.depth[-1], SHADOW_INERTIA])
+    models = (
+        model._replace(line=stretched(line, off[0])),
+        model._replace(line=stretched(line, -off[0])),
+        model._replace(drive_rate=model.drive_rate * (1 + off[1])),
+        model._replace(drive_rate=model.drive_rate * (1 - off[1])),
+    )
+    return Shadows(models, (_apart(state), _apart(state), _apart(state), _apart(state)), off, shift)
+
+
+def _apart(state: State) -> State:
+    own = {name: getattr(state, name).copy() for name in OWN}
+    return state._replace(**own)
+
+
+def flat(state: State, *shadows: State) -> dict[str, NDArray[np.generic]]:
+    """Copies of a state's arrays by name: `learned.NAME` of an inner tuple, `shadowN.NAME` a shadow's own."""
+    named = {}
+    for name, value in state._asdict().items():
+        if isinstance(value, np.ndarray):
+            named[name] = value.copy()
+        else:
+            named |= {f"{name}.{inner}": array.copy() for inner, array in value._asdict().items()}
+    for number, shadow in enumerate(shadows):
+        named |= {f"shadow{number}.{name}": getattr(shadow, name).copy() for name in OWN}
+    return named
+
+
+def fill_shadows(shadows: Sequence[State], saved: Mapping[str, NDArray[np.generic]]) -> None:
+    """Copy what shadows have of their own. Raises ValueError where an array does not fit."""
+    for number, shadow in enumerate(shadows):
+        fill(shadow, {name: saved[f"shadow{number}.{name}"] for name in OWN})
 
 
 def fill(state: State, saved: Mapping[str, NDArray[np.generic]]) -> None:
     """Copy saved arrays into a state. Raises ValueError where one does not fit."""
     for name, array in saved.items():
-        place = getattr(
-            state.learned if name.startswith("learned.") else state, name.removeprefix("learned.")
-        )
-        if place.shape != array.shape or place.dtype != array.dtype:
+        if name.startswith("shadow"):
+            continue
+        place: object = state
+        for part in name.split("."):
+            place = getattr(place, part)
+        if not isinstance(place, np.ndarray) or place.shape != array.shape or place.dtype != array.dtype:
+            asked = f"{place.dtype}{place.shape}" if isinstance(place, np.ndarray) else "nothing"
             raise ValueError(
-                f"saved state: {name} is {array.dtype}{array.shape}, the configuration asks for "
-                f"{place.dtype}{place.shape}"
+                f"saved state: {name} is {array.dtype}{array.shape}, the configuration asks for {asked}"
             )
         place[...] = array
+
+
+def is_learned(name: str) -> bool:
+    """Whether an array of this name (see `flat`) stays when the waves are lost."""
+    return name.split(".")[0] in LEARNED

@@ -41,7 +41,7 @@ class SimulatedRig:
         self._plan = plan
         self._random = np.random.default_rng(seed)
         self._period = 1 / rig.loop.rate
-        coarse = steps_per_tick(rig.string, self._period, rig.estimator.bandwidth)
+        coarse = steps_per_tick(rig.string, self._period)
         self._steps = max(coarse, math.ceil(self._period / FINE_STEP_S))
         step = self._period / self._steps
         line = cut(rig.string, step, SECTION_LENGTH)

@@ -1,0 +1,238 @@
+"""How much each innovation corrects: Wiener–Kolmogorov gains of the string, worked out once at the start.
+
+The model string runs under the motor's torque. Two unknowns drive the real one away from it: noise of the
+torque channel, and what the rock asks beyond the load law, a first-order random process. One output tells
+of both: the motor's speed, with noise of its own. With Y the output's answer to each of the two, the
+spectrum of what is seen is S = Σ q |Y|² + r = s |H|², H causal and causally invertible (Kolmogorov's
+cepstral factorisation, as in Oppenheim and Schafer 2010, ch. 13). Innovations are what is seen divided by
+H, and the best correction of any quantity X, n steps after an innovation or before it, is
+
+    k(n) = [ Σ q X Y* / H* ](n) / s          (Kailath 1968; Anderson and Moore 1979, section 9)
+
+This is the steady Kalman filter and its fixed-lag smoother of the whole string, delay lines included,
+without a matrix of the size of its state.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vsensor.estimator.line import EVERY_JUNCTION, march, turn_top
+from vsensor.estimator.load import Load
+from vsensor.estimator.sections import Floats, Line
+from vsensor.jit import compiled
+
+ROCK_LEVELS = 25.0 * 2.0 ** np.arange(9)
+"""Standard deviations of the rock's torque, N·m, for which gains are kept ready: 25 N·m to 6.4 kN·m."""
+ROCK_MEMORY_S = 0.3
+"""Correlation time of the rock's torque: with 0.1 or 1 s instead, the answers are hardly worse."""
+MEMORY_S = 8.0
+"""The design string forgets within so long, lest what little a long string loses makes it ring for minutes."""
+HORIZON_S = 4 * MEMORY_S
+LEAST_SPEED_NOISE = 1e-4
+"""rad/s: a speed without any noise would be believed against all else."""
+
+TOP_SPEED, TOP_BALANCE, BIT_SPEED, BIT_BALANCE, ROCK = range(5)
+"""What an innovation corrects of the present state."""
+TOLD_BIT_SPEED, TOLD_BIT_TORQUE, TOLD_TOP_SPEED, TOLD_TOP_TORQUE = range(4)
+"""What it corrects of the past: the answers."""
+
+
+class Gains(NamedTuple):
+    """Corrections by an innovation of 1 rad/s, for each of C levels of the rock; L steps back in time."""
+
+    levels: Floats
+    """The rock's standard deviation, N·m, shape (C,)."""
+    innovation: Floats
+    """Variance of the innovation, (rad/s)², shape (C,)."""
+    state: Floats
+    """Of the present state, shape (C, 5)."""
+    waves: Floats
+    """Of the wave f at each section's top, newest first, shape (C, M, L)."""
+    told: Floats
+    """Of the answers, newest first, shape (C, 4, L)."""
+    variance: Floats
+    """Of the answers' errors once all L corrections are in, (rad/s)² and (N·m)², shape (C, 4)."""
+    unforeseen: Floats
+    """Of the bit's speed and torque foretold for now and for the end of the forecast, shape (C, 2, 2)."""
+    band: Floats
+    """Frequency up to which at least half of the rock's torque is told, Hz, shape (C,)."""
+
+
+class Plant(NamedTuple):
+    """What gains are for; `steps` internal steps a tick, inertias as 2 J / Δt of a step (trapezoid rule)."""
+
+    line: Line
+    drag: float
+    """Slope of the load law, N·m·s/rad."""
+    bit_rate: float
+    drive_rate: float
+    steps: int
+    rate: float
+    """Ticks a second."""
+    torque_noise: float
+    """Of a sample, at the string's side of the gear, N·m."""
+    speed_noise: float
+
+
+class _Responses(NamedTuple):
+    """Spectra of the answers to one unknown's unit impulse, at the ticks; F frequencies."""
+
+    seen: NDArray[np.complex128]
+    """Top speed, shape (F,)."""
+    state: NDArray[np.complex128]
+    """Shape (5, F)."""
+    waves: NDArray[np.complex128]
+    """At each internal step of the tick, shape (M, steps, F)."""
+    told: NDArray[np.complex128]
+    """Shape (4, steps, F)."""
+
+
+def rock_fade(rate: float) -> float:
+    """Share of the rock's torque that is left after one step at `rate` (Hz)."""
+    return float(np.exp(-1 / (ROCK_MEMORY_S * rate)))
+
+
+def gains(plant: Plant, lag: int, ahead: tuple[float, float]) -> Gains:
+    """The gains of a string for answers `lag` ticks late, and foretold so many ticks ahead."""
+    ticks = 1 << (round(HORIZON_S * plant.rate) - 1).bit_length()
+    of_rock, of_noise = (_responses(plant, ticks, by_rock=by_rock) for by_rock in (True, False))
+    each = [_at_level(plant, of_rock, of_noise, float(level), lag, ahead) for level in ROCK_LEVELS]
+    return Gains(ROCK_LEVELS.copy(), *(np.array(column) for column in zip(*each, strict=True)))
+
+
+def _at_level(
+    plant: Plant,
+    of_rock: _Responses,
+    of_noise: _Responses,
+    level: float,
+    lag: int,
+    ahead: tuple[float, float],
+) -> tuple[float, Floats, Floats, Floats, Floats, Floats, float]:
+    kick = level**2 * (1 - rock_fade(plant.rate) ** 2)
+    noise = plant.torque_noise**2
+    ticks = 2 * (len(of_rock.seen) - 1)
+    speed_noise = max(plant.speed_noise, LEAST_SPEED_NOISE)
+    by_rock = kick * np.abs(of_rock.seen) ** 2
+    seen = by_rock + noise * np.abs(of_noise.seen) ** 2 + speed_noise**2
+    innovation, causal = _factorised(seen)
+
+    def respond(rock: NDArray[np.complex128], motor: NDArray[np.complex128]) -> Floats:
+        together = kick * rock * of_rock.seen.conj() + noise * motor * of_noise.seen.conj()
+        response: Floats = np.fft.irfft(together / causal.conj(), ticks) / innovation
+        return response
+
+    told = respond(of_rock.told, of_noise.told)
+    apart = kick * np.abs(of_rock.told[:, -1]) ** 2 + noise * np.abs(of_noise.told[:, -1]) ** 2
+    altogether = np.fft.irfft(apart, ticks)[:, 0]
+    known = innovation * np.array([_since(told[:, -1] ** 2, start) for start in (1 - lag, *map(round, ahead))])
+    confirmed, *unforeseen = np.maximum(altogether - known, 0.0)
+    return (
+        innovation,
+        respond(of_rock.state, of_noise.state)[:, 0],
+        _newest_first(respond(of_rock.waves, of_noise.waves), lag),
+        _newest_first(told, lag),
+        confirmed,
+        np.array(unforeseen)[:, :TOLD_TOP_SPEED],
+        _half_told(by_rock / seen, plant.rate),
+    )
+
+
+def _factorised(spectrum: Floats) -> tuple[float, NDArray[np.complex128]]:
+    """Innovation variance s and H of a spectrum s |H|²: the causal half of the logarithm's transform."""
+    ticks = 2 * (len(spectrum) - 1)
+    cepstrum = np.fft.irfft(np.log(spectrum), ticks)
+    variance = float(np.exp(cepstrum[0]))
+    cepstrum[0] = 0.0
+    cepstrum[ticks // 2] *= 0.5
+    cepstrum[ticks // 2 + 1 :] = 0.0
+    return variance, np.exp(np.fft.rfft(cepstrum, ticks))
+
+
+def _newest_first(responses: Floats, lag: int) -> Floats:
+    """Responses (…, steps, ticks) at ticks 0, −1, … −lag + 1, their internal steps in one row (…, L)."""
+    back = responses[..., ::-1, -np.arange(lag)]
+    rows = np.moveaxis(back, -2, -1)
+    return np.ascontiguousarray(rows.reshape(*rows.shape[:-2], -1))
+
+
+def _since(squares: Floats, start: int) -> Floats:
+    """Sum of squares (…, ticks) from tick `start` on: what innovations until then have told."""
+    half = squares.shape[-1] // 2
+    future = squares[..., squares.shape[-1] + start :].sum(axis=-1) if start < 0 else 0.0
+    return np.asarray(squares[..., max(start, 0) : half].sum(axis=-1) + future)
+
+
+def _half_told(share: Floats, rate: float) -> float:
+    """The highest frequency below which the rock makes more than half of what is seen, Hz."""
+    lost = np.flatnonzero(share[1:] < 0.5)
+    first = int(lost[0]) if len(lost) else len(share) - 1
+    return first * rate / (2 * (len(share) - 1))
+
+
+def _responses(plant: Plant, ticks: int, *, by_rock: bool) -> _Responses:
+    line = plant.line
+    free = line._replace(kinetic=np.zeros_like(line.kinetic), static=np.zeros_like(line.static))
+    load = Load(plant.drag, 0.0, 0.0, 1.0, plant.bit_rate)
+    half = ticks // 2
+    sections = len(line.impedance)
+    state = np.zeros((half, 5))
+    waves = np.zeros((half * plant.steps, sections))
+    told = np.zeros((half * plant.steps, 4))
+    fade = rock_fade(plant.rate * plant.steps)
+    size = 1 << int(line.round_trip.max() + plant.steps).bit_length()
+    _strike(free, load, plant.drive_rate, plant.steps, fade, by_rock, np.zeros((sections, size)), state, waves, told)
+    forgets = np.exp(-np.arange(half) / (MEMORY_S * plant.rate))
+
+    def spectra(columns: Floats) -> NDArray[np.complex128]:
+        """Of columns (half · steps, K): shape (K, steps, F)."""
+        by_step = columns.reshape(half, -1, columns.shape[1]).transpose(2, 1, 0)
+        return np.fft.rfft(by_step * forgets, ticks)
+
+    of_state = spectra(state)[:, 0]
+    return _Responses(of_state[TOP_SPEED], of_state, spectra(waves), spectra(told))
+
+
+@compiled
+def _strike(
+    line: Line,
+    load: Load,
+    drive_rate: float,
+    steps: int,
+    fade: float,
+    by_rock: bool,
+    ring: Floats,
+    state: Floats,
+    waves: Floats,
+    told: Floats,
+) -> None:
+    """Answers of a string at rest to 1 N·m of rock that fades, or of motor torque at one tick's sample."""
+    mask = ring.shape[1] - 1
+    speeds = np.zeros(line.impedance.shape[0] + 1)
+    bit = np.zeros((2, 1))
+    top_balance, bit_balance = 0.0, 0.0
+    rock = 1.0 if by_rock else 0.0
+    for step in range(waves.shape[0]):
+        g, bit_balance = march(
+            line, load, ring, step - 1, 1, step - 1, EVERY_JUNCTION, rock, 1.0, speeds, bit_balance, bit
+        )
+        # A sample of torque stands for a straight line from the sample before, and to the one after.
+        motor = 0.0 if by_rock else max(0.0, 1.0 - abs(step + 1 - steps) / steps)
+        w, top_balance = turn_top(line, drive_rate, motor - g, speeds[0], top_balance)
+        speeds[0] = w
+        ring[0, step & mask] = g + 2 * line.impedance[0] * w
+        for i in range(ring.shape[0]):
+            waves[step, i] = ring[i, step & mask]
+        told[step, TOLD_BIT_SPEED] = bit[0, 0]
+        told[step, TOLD_BIT_TORQUE] = bit[1, 0]
+        told[step, TOLD_TOP_SPEED] = w
+        told[step, TOLD_TOP_TORQUE] = g + (line.impedance[0] + line.viscous[0]) * w
+        if (step + 1) % steps == 0:
+            tick = step // steps
+            state[tick, TOP_SPEED] = w
+            state[tick, TOP_BALANCE] = top_balance
+            state[tick, BIT_SPEED] = bit[0, 0]
+            state[tick, BIT_BALANCE] = bit_balance
+            state[tick, ROCK] = rock
+        rock *= fade

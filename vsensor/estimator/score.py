@@ -1,0 +1,113 @@
+"""Predictions held against what is confirmed in the end: how far each kind misses.
+
+The gains tell how large an error rock and noise leave to a prediction, were the model the string. What the
+model lacks shows most where the bit changes fast, for there an error of timing is one of speed. So the
+square of a miss is held to be a u + b x², u the variance that the gains tell and x the change that was
+foretold, and a and b are found by weighted least squares that forget (a variance regression, Davidian and
+Carroll 1987). At first a is 1, as the gains have it.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from vsensor.estimator.sections import Floats, Integers
+from vsensor.jit import compiled
+
+MEMORY_S = 60.0
+"""Time over which misses are forgotten: some ten periods of stick-slip."""
+NOW, FORECAST = range(2)
+VALUE, CHANGE, EXPECTED = range(3)
+TRUST_S = 10.0
+"""What the gains tell weighs as much as so much of the record."""
+
+
+class Scores(NamedTuple):
+    """For now and forecast, each of speed and torque."""
+
+    foretold: Floats
+    """What each tick foretold, how fast it changed in a step, and u; a ring, shape (2, 2, 3, ticks)."""
+    sums: Floats
+    """Weighted sums of u², u x², x⁴, u m², m² x²; shape (2, 2, 5)."""
+    law: Floats
+    """a and b, shape (2, 2, 2)."""
+    scored: Integers
+    """Predictions scored so far, of now and of the forecast, shape (2,)."""
+
+
+def fresh_scores(ticks: int, rate: float) -> Scores:
+    """Nothing foretold yet; room for `ticks`, of which `rate` make a second."""
+    trust = TRUST_S * rate
+    return Scores(
+        foretold=np.full((2, 2, 3, ticks), np.nan),
+        sums=np.tile([trust, 0.0, 0.0, trust, 0.0], (2, 2, 1)),
+        law=np.tile([1.0, 0.0], (2, 2, 1)),
+        scored=np.zeros(2, np.int64),
+    )
+
+
+@compiled
+def foretell(
+    scores: Scores, kind: int, tick: int, ahead: Floats, step: int, unforeseen: Floats, restless: float
+) -> None:
+    """Note what a march says of its `step`-th step, and the variance that the gains tell, (2,).
+
+    The gains were made for a rock of one level; this one's variance is `restless` times as large.
+    """
+    place = tick % scores.foretold.shape[3]
+    for q in range(2):
+        value = ahead[q, step - 1]
+        scores.foretold[kind, q, VALUE, place] = value
+        scores.foretold[kind, q, CHANGE, place] = value - ahead[q, max(step - 2, 0)]
+        scores.foretold[kind, q, EXPECTED, place] = restless * unforeseen[q]
+
+
+@compiled
+def score(
+    scores: Scores, kind: int, quantity: int, tick: int, truth: float, doubt: float, rate: float
+) -> None:
+    """Hold what `tick` foretold against the truth, which is itself known with the variance `doubt`."""
+    foretold = scores.foretold[kind, quantity, :, tick % scores.foretold.shape[3]]
+    miss = foretold[VALUE] - truth
+    x, u = foretold[CHANGE] * foretold[CHANGE], foretold[EXPECTED]
+    expected = variance(scores, kind, quantity, foretold) + doubt
+    # Squares of a normal error scatter in proportion to its variance: their weight is its inverse square.
+    weight = 1.0 / (expected * expected)
+    m = min(miss * miss, WILD * expected)
+    sums = scores.sums[kind, quantity]
+    keep = math.exp(-1.0 / (MEMORY_S * rate))
+    for i in range(5):
+        sums[i] *= keep
+    sums[0] += weight * u * u
+    sums[1] += weight * u * x
+    sums[2] += weight * x * x
+    sums[3] += weight * u * m
+    sums[4] += weight * m * x
+    _solve(sums, scores.law[kind, quantity])
+
+
+WILD = 25.0
+"""A squared miss beyond so many variances, five deviations, counts as one of so many."""
+
+
+@compiled
+def _solve(sums: Floats, law: Floats) -> None:
+    """a and b ≥ 0 of least squares; a alone where the changes tell nothing."""
+    determinant = sums[0] * sums[2] - sums[1] * sums[1]
+    a = b = 0.0
+    if determinant > 1e-9 * sums[0] * sums[2]:
+        a = (sums[3] * sums[2] - sums[4] * sums[1]) / determinant
+        b = (sums[4] * sums[0] - sums[3] * sums[1]) / determinant
+    if b <= 0:
+        a, b = sums[3] / sums[0], 0.0
+    elif a <= 0:
+        a, b = 0.0, sums[4] / sums[2]
+    law[0], law[1] = a, b
+
+
+@compiled
+def variance(scores: Scores, kind: int, quantity: int, foretold: Floats) -> float:
+    """Expected square of the miss of what was foretold, a row of value, change and u."""
+    law = scores.law[kind, quantity]
+    return float(law[0] * foretold[EXPECTED] + law[1] * foretold[CHANGE] * foretold[CHANGE])
