@@ -95,7 +95,7 @@ def main() -> None:
         for kind in ("confirmed", "now", "forecast"):
             print(f"| | {score(told, truth, kind)} |")
     truth, surface = table(field / "well_b_1733m_downhole.csv"), table(field / "well_b_1733m_surface.csv")
-    rig = load(Path(__file__).parent.parent / "config" / "well-b.toml")
+    rig = load(Path(__file__).parents[2] / "config" / "well-b.toml")
     told = estimated(rig, field / "well_b_1733m_surface.csv")
     print(FIELD)
     error, r = midpoints(surface["time_s"], surface["motor_speed_rad_s"], truth)
