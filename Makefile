@@ -22,7 +22,7 @@ bench: $(STAMP)
 	$(BIN)/vsensor bench $(ARGS)
 
 accuracy: $(STAMP)
-	$(BIN)/python -m tests.accuracy > docs/accuracy.md.new && mv docs/accuracy.md.new docs/accuracy.md
+	$(BIN)/python -m tests.accuracy docs/images > docs/accuracy.md.new && mv docs/accuracy.md.new docs/accuracy.md
 
 proto: $(STAMP)
 	$(BIN)/python -m grpc_tools.protoc --plugin=protoc-gen-mypy=$(BIN)/protoc-gen-mypy \

@@ -1,0 +1,40 @@
+"""The real well: what a downhole sensor measured there."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from tests.accuracy import words
+from tests.accuracy.score import Answer, answer
+from tests.cases import estimated, midpoints, table
+from vsensor.config import load
+from vsensor.units import factor
+
+TURNING = 3.0
+"""The bit turns when it is confirmed to be faster than this, rad/s: past where wall friction fades."""
+RPM = factor("rad/s", "rpm")
+CONFIGURATION = Path(__file__).parents[2] / "config" / "well-b.toml"
+
+
+def field(folder: Path) -> Iterator[str]:
+    """The page's part about the well."""
+    truth, surface = table(folder / "well_b_1733m_downhole.csv"), table(folder / "well_b_1733m_surface.csv")
+    told = estimated(load(CONFIGURATION), folder / "well_b_1733m_surface.csv")
+    third = surface["time_s"][-1] / 3
+    tare = tared(answer(told, "confirmed"), third)
+    yield words.FIELD.format(third=third, turning=TURNING * RPM, tare=tare / 1e3)
+    error, r = midpoints(surface["time_s"], surface["motor_speed_rad_s"], truth)
+    yield f"| surface speed | {error * RPM:.1f} | {r:.3f} | | |"
+    for kind in ("confirmed", "now", "forecast"):
+        of = answer(told, kind)
+        known = np.isfinite(of.speed)
+        error, r = midpoints(of.time[known], of.speed[known], truth)
+        late, rest = (of.torque[known & (of.time >= start)].mean() for start in (20, third))
+        yield f"| {kind} | {error * RPM:.1f} | {r:.3f} | {late / 1e3:+.2f} | {(rest - tare) / 1e3:+.2f} |"
+
+
+def tared(confirmed: Answer, until_s: float) -> float:
+    """Mean torque of a bit that turns off bottom, up to a time, N·m."""
+    turning = (confirmed.time <= until_s) & (confirmed.speed > TURNING)
+    return float(confirmed.torque[turning].mean())

@@ -1,0 +1,89 @@
+"""What the page says around its tables."""
+
+HEAD = """# Accuracy
+
+Made by `make accuracy` from cases whose truth is known. They are no part of this repository:
+VSENSOR_REFERENCE_DATA and VSENSOR_FIELD_DATA name the folders where they lie."""
+
+EXACT = """
+## Against exact truth
+
+The cases were written by an independent program, a finely gridded solution of the wave equation, with
+the noise of real channels: 80 N·m and 0.015 rad/s. Scored from 10 s on. *Share* is the rms error of bit
+speed over the range of the true one; *within 2σ*, the share of errors within two stated standard
+deviations, about 95% where a sensor is honest. The load law starts from the true one and is learned on.
+
+Two yardsticks come first. *Surface speed* is what a driller sees today, taken for the bit's. *Two lumps* is
+a Kalman filter for the string as two inertias and a spring, with the same configuration, wall friction
+included, given the same samples: at the present, and as late as our confirmed answer. How fast the bit's
+torque walks and how much noise stands for what lumps cannot do, it has to be told. *By likelihood* takes
+what makes its innovations likeliest, as one does in the field; where the string swings, that filter takes
+waves for rock. *By the truth* takes what gives the least error of bit speed in this very record, for each
+row anew, out of {choices} choices: nobody can do so in the field, and it is about the most that such a
+filter can reach."""
+
+EXACT_ROWS = """
+| answer | speed error, rpm | share | torque error, kN·m | torque bias, N·m \
+| speed within 2σ | torque within 2σ |
+| --- | ---: | ---: | ---: | ---: | ---: | ---: |"""
+
+LIMIT = """
+### What nobody can know better
+
+The rock is rough: its own torque is noise. No measured wave tells yet what it does between the confirmed
+time and the time in question, and the channels' noise hides a part of what it has done. So there is a least
+error, whatever the method. Here it is for *{case}*, on average over many such records, for one who knows
+the string, the law and the rock's statistics exactly: the string by the matrices of its components at each
+frequency (with the wall's viscous friction), the law by its slope at {rpm:.0f} rpm, the rock as noise of
+{std:.0f} N·m with a correlation time of {time:g} s.
+
+- *Confirmed*: a Wiener smoother that hears both noisy channels before and after the time in question.
+- *Now* and *forecast*: waves without noise, so that all error is what the rock has done since. The first of
+  each pair counts that from our confirmed time, {lag:.2f} s later than waves could tell it; the second from
+  when they could.
+
+| least error | speed, rpm | share | torque, kN·m |
+| --- | ---: | ---: | ---: |"""
+
+WRONG = """
+## With the configuration wrong
+
+Each case again with a configuration that is wrong on purpose. Friction is the wall's, viscous and Coulomb;
+the load law is the first guess, viscous, kinetic and static. Shares and torque errors are rms as above, each
+scored from 10 s on, and in brackets from 40 s on, where a sensor that finds out has had its time (there a
+share is of the range from 40 s on). *Two lumps* is the yardstick as late as our confirmed answer, wrong in
+the same way, tuned by the truth as above. Surface speed cannot be configured wrongly."""
+
+WRONG_ROWS = """
+| what is wrong | two lumps share | confirmed share | confirmed torque, kN·m | now share | forecast share \
+| confirmed speed within 2σ | confirmed torque within 2σ | now speed within 2σ | forecast speed within 2σ |
+| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"""
+
+SCRATCH = """
+## With the law learned from scratch
+
+The load law starts at a guess that knows nothing of the rock: 1 kN·m, whatever the speed. Scored from 30 s
+on; in brackets, what comes out when it starts from the true one.
+
+| case | answer | share | torque error, kN·m | torque bias, N·m | speed within 2σ | torque within 2σ |
+| --- | --- | ---: | ---: | ---: | ---: | ---: |"""
+
+LAG = """
+## What bandwidth costs
+
+A wider band follows the bit more closely and sooner, and passes more noise: the top drive's inertia
+multiplies the speed channel's noise by frequency. For [config/drilling.toml](../config/drilling.toml):"""
+
+FIELD = """
+## Against a real well
+
+Well B of Aarsnes and Shor (2018), 1733 m, rotation started off bottom after a connection: least and
+greatest bit speed of each half second from a downhole sensor. Configuration:
+[config/well-b.toml](../config/well-b.toml), plain steel, nothing fitted but the wall friction, which is the
+surface torque of steady rotation. The bit's true torque is zero, so the mean torque, from 20 s on, is all
+error. A *tare* takes off what the wall friction is wrong by: the mean confirmed torque of the record's first
+third ({third:.0f} s), while the bit is confirmed to turn faster than {turning:.0f} rpm; here {tare:+.2f}
+kN·m. What is left is the mean over the other two thirds.
+
+| answer | midpoint error, rpm | correlation | mean torque, kN·m | after the tare, kN·m |
+| --- | ---: | ---: | ---: | ---: |"""
