@@ -37,7 +37,7 @@ class Estimator:
         self._rig = rig
         tick = 1 / rig.loop.rate
         steps = steps_per_tick(rig.string, tick, rig.estimator.bandwidth)
-        line = cut(rig.string, tick / steps, rig.estimator.section_length)
+        line = cut(rig.string, tick / steps, rig.estimator.section_length, rig.survey, rig.wellbore)
         self._model = _with_deviations(_model(rig, line, steps), rig)
         self._state = fresh(self._model, self._rig.bit)
         self._one = (
