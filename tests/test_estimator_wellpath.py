@@ -165,8 +165,8 @@ def test_without_a_survey_friction_is_as_told_per_metre() -> None:
     assert friction.static.tolist() == [2700, 0]
 
 
-KINKS = 0.5
-"""What it costs, N·m, that |N| has a kink within a cell where the string changes sides of the hole."""
+KINKS = 0.2
+"""What a cell costs, N·m, in which |N| has a kink: where the string changes sides of the hole."""
 
 
 @given(STRINGS, surveys(), WELLBORES)

@@ -15,7 +15,7 @@ Integers = NDArray[np.int64]
 
 GRAVITY = 9.80665
 """Standard gravity, m/s²."""
-CELL = 5.0
+CELL = 1.0
 """Side forces are summed over lengths of at most so much, m: short beside the arcs of a well."""
 _GAUSS = 0.5 / 3**0.5
 """Gauss and Legendre's two points, which integrate a cubic exactly, stand so far from a cell's middle."""
