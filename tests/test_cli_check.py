@@ -1,5 +1,6 @@
 """`vsensor check` explains a configuration, and points out likely slips without refusing them."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,21 @@ SOUND: dict[str, Any] = {
     "top_drive": {"inertia": 2000},
     "bit": {"inertia": 50, "kinetic_torque": 3000, "static_torque": 8000},
 }
+
+
+WELL: dict[str, Any] = {
+    "string": [part | {"coulomb_friction": 0} for part in SOUND["string"]],
+    "survey": [
+        {"measured_depth": 1000, "inclination": 0, "azimuth": 0},
+        {"measured_depth": 2150, "inclination": "30 deg", "azimuth": "140 deg"},
+    ],
+    "wellbore": {"mud_density": "1.2 g/cm^3", "friction_factor": 0.1},
+}
+
+
+def surveyed(**changed: object) -> Rig:
+    """The sound rig with its friction from a survey, and its wellbore changed."""
+    return Rig.model_validate(SOUND | WELL | {"wellbore": WELL["wellbore"] | changed})
 
 
 def sound(section: str, **changed: object) -> Rig:
@@ -72,6 +88,18 @@ def test_a_sound_rig_has_nothing_odd() -> None:
         (sound("bus", listen=["tcp/127.0.0.1:7447", "udp/[::]:7447"]), 'bus.listen[2] "udp/[::]:7447": open'),
         (sound("bus", listen=["tls/rig.example:7447"]), 'bus.listen[1] "tls/rig.example:7447": open'),
         (sound("bus", multicast_scouting=True), "bus.multicast_scouting is on"),
+        (
+            Rig.model_validate(SOUND | WELL | {"survey": [s | {"inclination": 0} for s in WELL["survey"]]}),
+            "string: 2200 m without any friction",
+        ),
+        (surveyed(mud_density=1.2), "wellbore.mud_density 1.2 kg/m³, where 800 to 2500 is usual"),
+        (surveyed(friction_factor=0.9), "bit.static_torque 8000 N·m is less than the wall's"),
+        (
+            Rig.model_validate(
+                SOUND | WELL | {"survey": [WELL["survey"][0], WELL["survey"][1] | {"measured_depth": 2000}]}
+            ),
+            "survey: ends 200 m above the bit",
+        ),
     ],
 )
 def test_a_likely_slip_is_pointed_out(rig: Rig, oddity: str) -> None:
@@ -86,6 +114,7 @@ def test_a_likely_slip_is_pointed_out(rig: Rig, oddity: str) -> None:
         with_part(0, viscous_friction=0.02),
         sound("bit", kinetic_torque=0, static_torque=0),  # nothing is known of the rock, or off bottom
         sound("measurement", torque_limit="9 kN*m"),
+        surveyed(),
         sound("bus", listen=["tcp/127.0.0.1:1", "tcp/[::1]:1", "tcp/localhost:1", "unixsock-stream//run/z"]),
     ],
 )
@@ -126,3 +155,46 @@ def test_the_report_gives_the_figures(tmp_path: Path) -> None:
         assert row.split() in rows
     assert "What looks odd (2)" in result.output
     assert "\x1b" not in result.output
+
+
+def test_the_report_tells_of_the_well(tmp_path: Path) -> None:
+    file = tmp_path / "well.toml"
+    # A quarter circle of 1000 m radius and pipe that weighs w in mud: F = w (1000 m − depth), and at the top
+    # N = F/R − 0 = w, at the bit N = w, by hand; between them w |1 − 2 sin I|, so that a third of the way
+    # down the string leaves the upper side of the hole for the lower.
+    file.write_text(
+        """
+        rig.name = "bend"
+        [[string]]
+        name = "pipe"
+        length = 1570.7963267948966
+        outer_diameter = 0.2
+        inner_diameter = 0.1
+        [[survey]]
+        measured_depth = 0
+        inclination = 0
+        azimuth = "20 deg"
+        [[survey]]
+        measured_depth = 1570.7963267948966
+        inclination = "90 deg"
+        azimuth = "20 deg"
+        [wellbore]
+        mud_density = 850
+        friction_factor = 0.2
+        """,
+        encoding="utf-8",
+    )
+    weight = 7000 * math.pi / 4 * (0.2**2 - 0.1**2) * 9.80665
+    # ∫ |1 − 2 sin I| dI from 0 to 90° = 2√3 − 2 − π/6
+    friction = 0.2 * 0.1 * weight * 1000 * (2 * math.sqrt(3) - 2 - math.pi / 6)
+    result = CliRunner().invoke(app, ["check", str(file)])
+    assert result.exit_code == 0
+    for row in (
+        f"wall friction {friction / 1e3:.2f} kN·m while turning",
+        "bit 1000.0 m below surface",
+        "inclination at the bit 90.0°",
+        "sharpest dogleg 1.72° in 30 m, below 0 m",
+    ):
+        assert row.split() in [line.split() for line in result.output.splitlines()]
+    assert f"greatest side force {weight / 1e3:.2f} kN/m" in " ".join(result.output.split())
+    assert f"{friction:.0f}" in result.output

@@ -8,6 +8,7 @@ from typer.testing import CliRunner
 from vsensor.cli.main import app
 from vsensor.config import Rig, load
 from vsensor.estimator import component
+from vsensor.estimator.estimator import Estimator
 
 EXAMPLES = Path(__file__).parent.parent / "config"
 
@@ -24,13 +25,22 @@ def test_an_example_loads_and_passes_check(file: Path) -> None:
 
 
 def test_the_examples_are_there() -> None:
-    assert {"drilling", "paper", "well-b"} <= {file.stem for file in EXAMPLES.glob("*.toml")}
+    assert {"deviated", "drilling", "paper", "well-b"} <= {file.stem for file in EXAMPLES.glob("*.toml")}
 
 
 def test_drilling_is_the_demo_and_looks_sound() -> None:
     result = CliRunner().invoke(app, ["check", str(EXAMPLES / "drilling.toml")])
     assert example("drilling").rig.name == "demo"
     assert "Nothing looks odd." in result.output
+
+
+def test_deviated_has_its_friction_from_the_survey_and_looks_sound() -> None:
+    result = CliRunner().invoke(app, ["check", str(EXAMPLES / "deviated.toml")])
+    assert "Nothing looks odd." in result.output
+    rig = example("deviated")
+    assert sum(part.length for part in rig.string) - rig.survey[-1].measured_depth == pytest.approx(25)
+    friction = Estimator(rig).line.kinetic
+    assert friction.sum() == pytest.approx(9.84e3, rel=1e-3)  # a torque that such wells have off bottom
 
 
 def test_paper_has_the_papers_line() -> None:

@@ -11,6 +11,19 @@ from vsensor.errors import ConfigError
 RIG = '[rig]\nname = "x"\n'
 PIPE = '[[string]]\nlength = "9 m"\nouter_diameter = "5 in"\ninner_diameter = "4 in"\n'
 
+WELLBORE = "[wellbore]\nmud_density = 1200\nfriction_factor = 0.25\n"
+
+
+def survey(*stations: tuple[float, float, float]) -> str:
+    """Stations of measured depth (m), inclination and azimuth (deg)."""
+    return "".join(
+        f'[[survey]]\nmeasured_depth = {depth}\ninclination = "{angle} deg"\nazimuth = "{azimuth} deg"\n'
+        for depth, angle, azimuth in stations
+    )
+
+
+WELL = survey((0, 0, 0), (1000, 30, 140)) + WELLBORE
+
 
 def faults(text: str) -> list[str]:
     with pytest.raises(ConfigError) as refusal:
@@ -102,6 +115,84 @@ def test_a_fault_says_where_and_what_would_be_right(text: str, fault: str) -> No
     assert told[0].startswith(fault)
 
 
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        (
+            RIG + PIPE + 'tool_joint_diameter = "4.5 in"',
+            "string[1]: tool_joint_diameter 0.1143 m must be at least outer_diameter 0.127 m",
+        ),
+        (RIG + PIPE + survey((9, 0, 0)) + WELLBORE, "survey: one station makes no path: write two or more"),
+        (
+            RIG + PIPE + survey((0, 0, 0), (900, 9, 0), (900, 12, 0)) + WELLBORE,
+            "survey: the station at 900 m must be deeper than the one before it, at 900 m",
+        ),
+        (
+            RIG + PIPE + survey((0, 0, 0), (900, 60, 10), (990, 120, 190)) + WELLBORE,
+            "survey: the well points the other way at 990 m than at 900 m",
+        ),
+        (
+            RIG + PIPE + survey((900, 180, 10), (990, 120, 10)) + WELLBORE,
+            "survey: the well points the other way at 900 m than at 0 m",
+        ),
+        (
+            RIG + PIPE + survey((-1, 0, 0), (9, 0, 0)) + WELLBORE,
+            "survey[1].measured_depth = -1: must be at least 0: write a length along the well",
+        ),
+        (
+            RIG + PIPE + survey((0, 0, 0), (900, 181, 0)) + WELLBORE,
+            "survey[2].inclination = '181 deg': must be at most 3.14159: write an angle from",
+        ),
+        (
+            RIG + PIPE + survey((0, 0, 0), (900, -1, 0)) + WELLBORE,
+            "survey[2].inclination = '-1 deg': must be at least 0: write an angle from",
+        ),
+        (
+            RIG + PIPE + WELL.replace('"140 deg"', "140"),  # degrees meant, radians said
+            "survey[2].azimuth = 140: must be at most 6.28319: write an angle from",
+        ),
+        (
+            RIG + PIPE + WELL.replace("140 deg", "140 m"),
+            "survey[2].azimuth: '140 m' does not measure in rad: write for example",
+        ),
+        (RIG + PIPE + survey((0, 0, 0), (9, 0, 0)), "survey and wellbore need one another: write [wellbore]"),
+        (RIG + PIPE + WELLBORE, "survey and wellbore need one another: write [[survey]] tables too"),
+        (RIG + PIPE + WELL.replace("mud_density = 1200", ""), "wellbore.mud_density: is missing: write a"),
+        (
+            RIG + PIPE + WELL.replace("1200", '"9 ft"'),
+            "wellbore.mud_density: '9 ft' does not measure in kg/m^3",
+        ),
+        (
+            RIG + PIPE + PIPE + WELL.replace("1200", '"7.9 g/cm³"'),
+            'wellbore.mud_density 7900 kg/m³ must be below the 7850 kg/m³ of string[1] "pipe"',
+        ),
+        (
+            RIG + PIPE + WELL.replace("0.25", '"0.25"'),
+            "wellbore.friction_factor = '0.25': must be a number, without quotes: write a kinetic",
+        ),
+        (
+            RIG + PIPE + WELL + "static_friction_factor = 0.2",
+            "wellbore: static_friction_factor 0.2 must be at least friction_factor (kinetic) 0.25",
+        ),
+        (
+            RIG + PIPE + WELL + 'weight_on_bit = "8 t"',
+            "wellbore.weight_on_bit: '8 t' does not measure in N: write for example",
+        ),
+        (
+            RIG + PIPE + PIPE + 'name = "collar"\ncoulomb_friction = 1\n' + WELL,
+            'string[2] "collar": coulomb_friction and static_friction are an alternative to a survey',
+        ),
+        (
+            RIG + PIPE + "static_friction = 1\n" + WELL,
+            'string[1] "pipe": coulomb_friction and static_friction are an alternative to a survey',
+        ),
+    ],
+)
+def test_a_fault_of_the_well_says_where_and_what_would_be_right(text: str, fault: str) -> None:
+    (told,) = faults(text)
+    assert told.startswith(fault)
+
+
 def test_all_faults_are_told_at_once() -> None:
     told = faults("[rig]\n[[string]]\nlength = 0\nbore = 1\n[bit]\ninertia = 'x'\n[view]\nhistory = 0\n")
     assert [line.split(":")[0] for line in told] == [
@@ -135,10 +226,12 @@ def test_any_text_is_a_configuration_or_a_config_error(text: str) -> None:
 
 scalars = st.one_of(st.booleans(), st.integers(), st.floats(), st.text(max_size=5))
 keys = st.sampled_from(
-    ["name", "length", "inertia", "rate", "listen", "folder", "zenoh_config", "history", "odd"]
+    ["name", "length", "azimuth", "inertia", "rate", "listen", "folder", "zenoh_config", "history", "odd"]
 )
 tables = st.dictionaries(keys, st.one_of(scalars, st.lists(scalars, max_size=2)), max_size=3)
-sections = st.sampled_from(["rig", "string", "top_drive", "bit", "bus", "recording", "view", "loop", "odd"])
+sections = st.sampled_from(
+    ["rig", "string", "survey", "wellbore", "top_drive", "bit", "bus", "recording", "view", "loop", "odd"]
+)
 
 
 @given(

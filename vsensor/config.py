@@ -5,40 +5,35 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import tomli_w
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+from pydantic import AfterValidator, Field, ValidationError, model_validator
 
 from vsensor.errors import ConfigError
 from vsensor.faults import every_fault
-from vsensor.units import to_si
+from vsensor.schema import (
+    AngularSpeed,
+    Bore,
+    Density,
+    Endpoint,
+    Inertia,
+    Length,
+    Modulus,
+    PositiveTime,
+    Rate,
+    Ratio,
+    Share,
+    Switch,
+    Table,
+    Time,
+    Torque,
+    TorquePerLength,
+    ViscousFriction,
+    ViscousFrictionPerLength,
+    quantity,
+)
+from vsensor.well import Station, Wellbore, from_surface
 
 
-def _quantity(unit: str) -> BeforeValidator:
-    return BeforeValidator(lambda value: to_si(value, unit))
-
-
-Length = Annotated[float, _quantity("m"), Field(gt=0)]
-Bore = Annotated[float, _quantity("m"), Field(ge=0)]
-Modulus = Annotated[float, _quantity("Pa"), Field(gt=0)]
-Density = Annotated[float, _quantity("kg/m^3"), Field(gt=0)]
-Inertia = Annotated[float, _quantity("kg*m^2"), Field(ge=0)]
-Torque = Annotated[float, _quantity("N*m"), Field(ge=0)]
-AngularSpeed = Annotated[float, _quantity("rad/s"), Field(gt=0)]
-ViscousFriction = Annotated[float, _quantity("N*m*s/rad"), Field(ge=0)]
-ViscousFrictionPerLength = Annotated[float, _quantity("N*m*s/rad/m"), Field(ge=0)]
-TorquePerLength = Annotated[float, _quantity("N*m/m"), Field(ge=0)]
-Time = Annotated[float, _quantity("s"), Field(ge=0)]
-PositiveTime = Annotated[float, _quantity("s"), Field(gt=0)]
-Rate = Annotated[float, _quantity("Hz"), Field(ge=1, le=5000)]
-Endpoint = Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]*/\S+$")]
-Switch = Annotated[bool, Field(strict=True)]
-Ratio = Annotated[float, Field(gt=0, strict=True, allow_inf_nan=False)]
-
-
-class _Table(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class Component(_Table):
+class Component(Table):
     """One part of the string, of constant cross section: drill pipe, collar, stabiliser."""
 
     name: str = Field(default="pipe", min_length=1)
@@ -50,12 +45,18 @@ class Component(_Table):
     viscous_friction: ViscousFrictionPerLength = 0.0
     coulomb_friction: TorquePerLength = 0.0
     static_friction: TorquePerLength = Field(default_factory=lambda given: given["coulomb_friction"])
+    tool_joint_diameter: Length = Field(default_factory=lambda given: given["outer_diameter"])
 
     @model_validator(mode="after")
     def _is_a_pipe(self) -> Self:
         if self.inner_diameter >= self.outer_diameter:
             raise ValueError(
                 f"inner_diameter {self.inner_diameter:g} m must be smaller than "
+                f"outer_diameter {self.outer_diameter:g} m"
+            )
+        if self.tool_joint_diameter < self.outer_diameter:
+            raise ValueError(
+                f"tool_joint_diameter {self.tool_joint_diameter:g} m must be at least "
                 f"outer_diameter {self.outer_diameter:g} m"
             )
         if self.static_friction < self.coulomb_friction:
@@ -66,7 +67,7 @@ class Component(_Table):
         return self
 
 
-class TopDrive(_Table):
+class TopDrive(Table):
     """The motor and gear that turn the string."""
 
     inertia: Inertia = 0.0
@@ -75,7 +76,7 @@ class TopDrive(_Table):
     torque_lag: Time = 0.0
 
 
-class Bit(_Table):
+class Bit(Table):
     """The bit's inertia and a first guess of the load law between bit and rock."""
 
     inertia: Inertia = 0.0
@@ -94,12 +95,12 @@ class Bit(_Table):
         return self
 
 
-class Measurement(_Table):
+class Measurement(Table):
     """How well the surface channels measure, at the motor, and what is beyond belief, at the string."""
 
     torque_noise: Torque = 80.0
-    speed_noise: Annotated[float, _quantity("rad/s"), Field(ge=0)] = 0.015
-    torque_limit: Annotated[float, _quantity("N*m"), Field(gt=0)] = 200e3
+    speed_noise: Annotated[float, quantity("rad/s"), Field(ge=0)] = 0.015
+    torque_limit: Annotated[float, quantity("N*m"), Field(gt=0)] = 200e3
     speed_limit: AngularSpeed = 60.0
     max_gap: PositiveTime = 0.25
     restart_gap: PositiveTime = 2.0
@@ -111,7 +112,7 @@ class Measurement(_Table):
         return self
 
 
-class EstimatorSettings(_Table):
+class EstimatorSettings(Table):
     """What is traded: lag against noise, section length against work."""
 
     lag: PositiveTime = Field(default=0.5, le=10, description='a time up to 10 s, such as "0.5 s"')
@@ -120,10 +121,7 @@ class EstimatorSettings(_Table):
     severity_window: PositiveTime = 20.0
 
 
-Share = Annotated[float, Field(gt=0, le=0.3, strict=True, allow_inf_nan=False)]
-
-
-class Tuning(_Table):
+class Tuning(Table):
     """How far the configuration may be from the truth, one standard deviation as a share of each.
 
     The stated deviations count with it. Where `enabled`, the record itself corrects them, by no
@@ -136,7 +134,7 @@ class Tuning(_Table):
     friction: Share = Field(default=0.15, description="a share such as 0.15")
 
 
-class Loop(_Table):
+class Loop(Table):
     """The fixed-step loop."""
 
     rate: Rate = Field(default=100.0, description='a rate from "1 Hz" to "5 kHz"')
@@ -145,7 +143,7 @@ class Loop(_Table):
 _ENDPOINTS = 'endpoints such as ["tcp/127.0.0.1:7447"]'
 
 
-class Bus(_Table):
+class Bus(Table):
     """How the daemon and its clients find one another over Zenoh."""
 
     prefix: str = Field(
@@ -159,7 +157,7 @@ class Bus(_Table):
     zenoh_config: Path | None = None
 
 
-class Recording(_Table):
+class Recording(Table):
     """Whether and where sessions are written."""
 
     enabled: Switch = True
@@ -167,16 +165,16 @@ class Recording(_Table):
     compression: Literal["zstd", "lz4", "none"] = "zstd"
 
 
-class View(_Table):
+class View(Table):
     """How the live view shows the rig."""
 
     history: PositiveTime = 60.0
 
 
-class Rig(_Table):
+class Rig(Table):
     """A whole configuration. Lengths in m, torques in N·m, speeds in rad/s, times in s."""
 
-    class Name(_Table):
+    class Name(Table):
         """Which rig this is; part of every key on the bus."""
 
         name: str = Field(
@@ -189,6 +187,8 @@ class Rig(_Table):
     string: tuple[Component, ...] = Field(
         min_length=1, description="one [[string]] table for each component, from the top drive down"
     )
+    survey: Annotated[tuple[Station, ...], AfterValidator(from_surface)] = ()
+    wellbore: Wellbore | None = None
     top_drive: TopDrive = TopDrive()
     bit: Bit = Bit()
     measurement: Measurement = Measurement()
@@ -199,10 +199,32 @@ class Rig(_Table):
     recording: Recording = Recording()
     view: View = View()
 
+    @model_validator(mode="after")
+    def _wall_told_once(self) -> Self:
+        if bool(self.survey) != bool(self.wellbore):
+            missing = "[wellbore] with mud_density" if self.survey else "[[survey]] tables"
+            raise ValueError(f"survey and wellbore need one another: write {missing} too, or leave out both")
+        if self.wellbore:
+            for number, part in enumerate(self.string, 1):
+                _hangs_in_mud(f'string[{number}] "{part.name}"', part, self.wellbore.mud_density)
+        return self
+
     @property
     def prefix(self) -> str:
         """The start of every key on the bus."""
         return self.bus.prefix.replace("{rig}", self.rig.name)
+
+
+def _hangs_in_mud(where: str, part: Component, mud_density: float) -> None:
+    if part.static_friction:
+        raise ValueError(
+            f"{where}: coulomb_friction and static_friction are an alternative to a survey, "
+            "which tells the wall's friction itself: leave out the one or the other"
+        )
+    if part.density <= mud_density:
+        raise ValueError(
+            f"wellbore.mud_density {mud_density:g} kg/m³ must be below the {part.density:g} kg/m³ of {where}"
+        )
 
 
 def load(path: Path) -> Rig:

@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 from rich import box
 from rich.console import Console
@@ -14,9 +15,13 @@ from vsensor.cli.oddities import oddities, wall_torque
 from vsensor.config import Rig, load
 from vsensor.estimator import component
 from vsensor.estimator.modes import torsional_modes
+from vsensor.estimator.wellpath import contact, direction, vertical_depth, wall_friction, well_path
+from vsensor.well import Wellbore
 
 MODES = 4
 RPM = 30 / math.pi
+DOGLEG = math.degrees(30.0)
+"""Degrees in 30 m, the driller's measure of curvature, in one rad/m."""
 PIPE_WIDTH = 120
 """Columns of text when nobody's window sets them."""
 
@@ -35,6 +40,8 @@ def check(
     console.print(f"{rig.rig.name} ({config}) is valid.", style="bold")
     _print_table(console, "The string, from the top drive down", _components(rig))
     _print_table(console, "Altogether", _totals(rig))
+    if rig.wellbore:
+        _print_table(console, "The well, and the string in it while it turns", _well(rig, rig.wellbore))
     with console.status("compiling the kernels, once"):
         told = _answers(rig)
     _print_table(console, "What the sensor will tell of the bit", told)
@@ -53,7 +60,8 @@ def _components(rig: Rig) -> Table:
     for head in ("length\nm", "OD\nmm", "ID\nmm", "impedance ζ\nN·m·s/rad", "delay\nms", "inertia\nkg·m²"):
         table.add_column(head, justify="right")
     table.add_column("wall friction\nN·m", justify="right")
-    for part in rig.string:
+    walls = wall_friction(rig.string, rig.survey, rig.wellbore).kinetic
+    for part, wall in zip(rig.string, walls, strict=True):
         table.add_row(
             Text(part.name),
             f"{part.length:.2f}",
@@ -62,7 +70,7 @@ def _components(rig: Rig) -> Table:
             f"{component.impedance(part):.2f}",
             f"{component.delay(part) * 1e3:.2f}",
             f"{component.inertia(part):.1f}",
-            f"{part.coulomb_friction * part.length:.0f}",
+            f"{wall:.0f}",
         )
     return table
 
@@ -78,6 +86,26 @@ def _totals(rig: Rig) -> Table:
     table.add_row("static stiffness", f"{1 / compliance:.1f} N·m/rad")
     table.add_row("wind-up", f"{1e3 * compliance / (2 * math.pi):.3f} turns per kN·m")
     table.add_row("wall friction", f"{wall_torque(rig) / 1e3:.2f} kN·m while turning")
+    return table
+
+
+def _well(rig: Rig, wellbore: Wellbore) -> Table:
+    path = well_path(rig.survey)
+    bit = np.array([sum(part.length for part in rig.string)])
+    ((north, east, down),), _ = direction(path, bit)
+    lies = contact(rig.string, path, wellbore)
+    bent = int(np.argmax(path.curvature))
+    pressed = int(np.argmax(lies.side_force))
+    table = _pairs()
+    table.add_row("bit", f"{vertical_depth(path, bit)[0]:.1f} m below surface")
+    table.add_row("inclination at the bit", f"{math.degrees(math.atan2(math.hypot(north, east), down)):.1f}°")
+    table.add_row(
+        "sharpest dogleg", f"{path.curvature[bent] * DOGLEG:.2f}° in 30 m, below {path.depth[bent]:.0f} m"
+    )
+    table.add_row(
+        "greatest side force",
+        f"{lies.side_force[pressed] / 1e3:.2f} kN/m, at {lies.depth[pressed]:.0f} m",
+    )
     return table
 
 

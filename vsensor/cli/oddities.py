@@ -7,6 +7,7 @@ from itertools import pairwise
 from vsensor.config import Rig
 from vsensor.estimator import component
 from vsensor.estimator.sections import FINEST
+from vsensor.estimator.wellpath import wall_friction
 
 STEEL_WAVE_SPEEDS = (3000.0, 3300.0)
 """√(G/ρ) of drill-pipe and collar steels, m/s."""
@@ -15,11 +16,23 @@ LIKELY_LENGTHS = (10.0, 15_000.0)
 RUBBING_LENGTH = 1000.0
 """A string longer than this touches the wall somewhere, m."""
 IMPEDANCE_STEP = 10.0
+UNSURVEYED = 100.0
+"""The survey tool sits within some tens of metres of the bit, and each stand is surveyed, m."""
+LIKELY_MUDS = (800.0, 2500.0)
+"""From oil to the heaviest brines and barite muds, kg/m³."""
 
 
 def oddities(rig: Rig) -> list[str]:
     """Each likely slip in one sentence: where it is, what it says, what it means."""
-    return [*_lengths(rig), *_sections(rig), *_friction(rig), *_ends(rig), *_measurement(rig), *_network(rig)]
+    return [
+        *_lengths(rig),
+        *_sections(rig),
+        *_friction(rig),
+        *_well(rig),
+        *_ends(rig),
+        *_measurement(rig),
+        *_network(rig),
+    ]
 
 
 def _lengths(rig: Rig) -> Iterator[str]:
@@ -68,7 +81,22 @@ def _friction(rig: Rig) -> Iterator[str]:
 
 def wall_torque(rig: Rig) -> float:
     """Kinetic Coulomb friction of the whole string, N·m: what it takes to turn it slowly off bottom."""
-    return sum(part.coulomb_friction * part.length for part in rig.string)
+    return float(wall_friction(rig.string, rig.survey, rig.wellbore).kinetic.sum())
+
+
+def _well(rig: Rig) -> Iterator[str]:
+    if not rig.wellbore:
+        return
+    beyond = sum(part.length for part in rig.string) - rig.survey[-1].measured_depth
+    if beyond > UNSURVEYED:
+        yield f"survey: ends {beyond:.0f} m above the bit: the well is taken to go straight on from there"
+    lightest, heaviest = LIKELY_MUDS
+    mud = rig.wellbore.mud_density
+    if not lightest <= mud <= heaviest:
+        yield (
+            f"wellbore.mud_density {mud:g} kg/m³, where {lightest:g} to {heaviest:g} is usual: "
+            "is the unit right?"
+        )
 
 
 def _ends(rig: Rig) -> Iterator[str]:
@@ -82,8 +110,8 @@ def _measurement(rig: Rig) -> Iterator[str]:
     for name in ("torque_noise", "speed_noise"):
         if getattr(rig.measurement, name) == 0:
             yield f"measurement.{name} is 0: no sensor is without noise, and the stated deviations rest on it"
-    breakaway = rig.bit.static_torque + sum(part.static_friction * part.length for part in rig.string)
-    motor = breakaway / (rig.top_drive.gear_ratio * rig.top_drive.efficiency)
+    wall = float(wall_friction(rig.string, rig.survey, rig.wellbore).static.sum())
+    motor = (rig.bit.static_torque + wall) / (rig.top_drive.gear_ratio * rig.top_drive.efficiency)
     if rig.measurement.torque_limit < motor:
         yield (
             f"measurement.torque_limit {rig.measurement.torque_limit:g} N·m is below the {motor:.0f} N·m "

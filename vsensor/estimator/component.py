@@ -10,6 +10,11 @@ def polar_moment(part: Component) -> float:
     return math.pi / 32 * (part.outer_diameter**4 - part.inner_diameter**4)
 
 
+def cross_section(part: Component) -> float:
+    """Area of steel in the cross section, A = π (ro² − ri²), in m²."""
+    return math.pi / 4 * (part.outer_diameter**2 - part.inner_diameter**2)
+
+
 def wave_speed(part: Component) -> float:
     """Speed of a torsional wave, c = √(G/ρ), in m/s."""
     return math.sqrt(part.shear_modulus / part.density)

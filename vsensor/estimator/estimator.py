@@ -39,7 +39,7 @@ class Estimator:
         self._rig = rig
         tick = 1 / rig.loop.rate
         steps = steps_per_tick(rig.string, tick)
-        line = cut(rig.string, tick / steps, rig.estimator.section_length)
+        line = cut(rig.string, tick / steps, rig.estimator.section_length, rig.survey, rig.wellbore)
         self._configured = _model(rig, line, steps)
         self._between = round(EVERY_S * rig.loop.rate)
         self._one = (

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from vsensor.config import Component
 from vsensor.estimator import component
+from vsensor.estimator.wellpath import wall_friction
+from vsensor.well import Station, Wellbore
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -52,13 +54,21 @@ def steps_per_tick(string: Sequence[Component], tick_s: float) -> int:
     return min(FINEST, math.ceil(tick_s / step * (1 - 1e-12)))
 
 
-def cut(string: Sequence[Component], step_s: float, section_length: float) -> Line:
+def cut(
+    string: Sequence[Component],
+    step_s: float,
+    section_length: float,
+    survey: Sequence[Station] = (),
+    wellbore: Wellbore | None = None,
+) -> Line:
     """Cut a string into sections of at most `section_length` (m) on a grid of `step_s`.
 
     Distributed friction is lumped by the trapezoid rule: half of each section's at either end.
     Depths, not lengths, are rounded to the grid, so that the error never adds up.
     """
-    parts = _merged([piece for part in string for piece in _pieces(part, section_length)], step_s)
+    pieces = [piece for part in string for piece in _pieces(part, section_length, wellbore)]
+    friction = wall_friction(pieces, survey, wellbore)
+    parts = _merged([_part(*rubs) for rubs in zip(pieces, *friction, strict=True)], step_s)
     depth = np.cumsum([0.0, *(part.delay for part in parts)]) / step_s
     return Line(
         impedance=np.array([part.impedance for part in parts]),
@@ -83,18 +93,20 @@ def _round_trips(depth: Floats) -> Integers:
     return np.asarray(2 * np.diff(on_grid))
 
 
-def _pieces(part: Component, section_length: float) -> list[_Part]:
-    rubs = part.viscous_friction or part.coulomb_friction or part.static_friction
+def _pieces(part: Component, section_length: float, wellbore: Wellbore | None) -> list[Component]:
+    rubs = part.viscous_friction or part.static_friction or (wellbore and wellbore.static_friction_factor)
     count = math.ceil(part.length / section_length) if rubs else 1
-    length = part.length / count
-    piece = _Part(
-        component.impedance(part),
-        component.delay(part) / count,
-        part.viscous_friction * length,
-        part.coulomb_friction * length,
-        part.static_friction * length,
+    return [part.model_copy(update={"length": part.length / count})] * count
+
+
+def _part(piece: Component, kinetic: float, static: float) -> _Part:
+    return _Part(
+        component.impedance(piece),
+        component.delay(piece),
+        piece.viscous_friction * piece.length,
+        float(kinetic),
+        float(static),
     )
-    return [piece] * count
 
 
 def _merged(parts: list[_Part], step_s: float) -> list[_Part]:

@@ -44,7 +44,7 @@ class SimulatedRig:
         coarse = steps_per_tick(rig.string, self._period)
         self._steps = max(coarse, math.ceil(self._period / FINE_STEP_S))
         step = self._period / self._steps
-        line = cut(rig.string, step, SECTION_LENGTH)
+        line = cut(rig.string, step, SECTION_LENGTH, rig.survey, rig.wellbore)
         self._string = ForwardLine(line, rig.top_drive, rig.bit, step)
         self._gain = plan.damping * float(line.impedance[0])
         self._limit = TORQUE_RESERVE * float(rig.bit.static_torque + line.static.sum() + self._gain)
