@@ -8,6 +8,7 @@ load law tells the wave up, and the channel that is left gives the wave down:
     torque known     J dω/dt = T_motor − T_string, T_string = g + ζω, and then the same
 """
 
+from vsensor.estimator.along import keep_returned
 from vsensor.estimator.learn import load_in_force
 from vsensor.estimator.line import REST_SPEED, descend, march, turn_top
 from vsensor.estimator.load import foot, turning
@@ -61,7 +62,7 @@ def _by_both(model: Model, state: State, step: int, row: int, torque: Floats, sp
     t = string_torque(smooth, row, torque) - accelerates
     w = string_speed(smooth, row, torque, speed)
     state.top[0], state.top[1] = t, w
-    t, w = descend(model.line, state.waves, state.junctions, step, t, w)
+    t, w = descend(model.line, state.waves, state.returned, state.junctions, step, t, w)
     before = state.confirmed[0, (step - 1) & mask]
     state.confirmed[0, step & mask] = w
     state.confirmed[1, step & mask] = t - 0.5 * model.bit_rate * (w - before)
@@ -115,6 +116,7 @@ def _march_up(model: Model, state: State, step: int) -> float:
         state.balances[BIT],
         state.told,
     )
+    keep_returned(model.line, state.waves, state.junctions, step, state.returned)
     state.confirmed[0, step & mask] = state.told[0, 0]
     state.confirmed[1, step & mask] = state.told[1, 0]
     return g

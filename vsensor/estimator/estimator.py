@@ -8,9 +8,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from vsensor.config import Bit, Rig
 from vsensor.estimator import kernel
+from vsensor.estimator.along import SPEED, TORQUE, Stations, along, stations
 from vsensor.estimator.learn import lose_sight
-from vsensor.estimator.sections import Floats, Line, cut, steps_per_tick
-from vsensor.estimator.state import LEARNED, Model, fill, flat, fresh
+from vsensor.estimator.sections import Floats, Line, cut, junction_depths, steps_per_tick
+from vsensor.estimator.state import LEARNED, Model, State, fill, flat, fresh
 from vsensor.estimator.top_drive import smoothers
 
 ERROR_MEMORY_S = 60.0
@@ -37,8 +38,15 @@ class Estimator:
         self._rig = rig
         tick = 1 / rig.loop.rate
         steps = steps_per_tick(rig.string, tick, rig.estimator.bandwidth)
-        line = cut(rig.string, tick / steps, rig.estimator.section_length)
-        self._model = _with_deviations(_model(rig, line, steps), rig)
+        cuts = rig.string, tick / steps, rig.estimator.section_length
+        line = cut(*cuts)
+        self.stations = stations(rig.string, line, junction_depths(*cuts))
+        """Where along the string `profile` tells of it."""
+        self._top = Stations._make(column[:1] for column in self.stations)
+        self._profile = np.empty((2, len(self.stations.depth)))
+        self._model, noise = _with_deviations(_model(rig, line, steps), rig, self.stations)
+        self.profile_noise = noise
+        """Standard deviation of `profile` from the measurement's noise, laid out like it."""
         self._state = fresh(self._model, self._rig.bit)
         self._one = (
             np.empty((2, 1)),
@@ -111,6 +119,20 @@ class Estimator:
         kernel.advance(self._model, self._state, inputs[0], inputs[1], flags, values, lasting)
         return values[0], int(lasting[0])
 
+    def profile(self) -> Floats:
+        """Speed (rad/s) and torque (N·m) at each station at the time of the last confirmed answer.
+
+        Shape (2, n), valid until the next call; as good as that answer, and without meaning before the first.
+        """
+        _look(self._model, self._state, self.stations, self._profile)
+        return self._profile
+
+    def top(self) -> tuple[float, float]:
+        """Speed (rad/s) and torque (N·m) of the string's top at the time of the last confirmed answer."""
+        told = self._profile[:, :1]
+        _look(self._model, self._state, self._top, told)
+        return float(told[SPEED, 0]), float(told[TORQUE, 0])
+
     def run(self, torque: ArrayLike, speed: ArrayLike, reasons: ArrayLike | None = None) -> Estimates:
         """Run n ticks of motor torque (N·m) and motor speed (rad/s), each of shape (n,).
 
@@ -153,8 +175,17 @@ def _model(rig: Rig, line: Line, steps: int) -> Model:
     )
 
 
-def _with_deviations(model: Model, rig: Rig) -> Model:
+def _look(model: Model, state: State, at: Stations, told: Floats) -> None:
+    """Fill `told` (2, n) with what stood at the stations at the time of the last confirmed answer."""
+    travel = model.now - model.smooth.lag * model.steps
+    common = int(state.ticks[0]) * model.steps - 1 - travel
+    along(model.line, state.waves, state.returned, at, common, told)
+
+
+def _with_deviations(model: Model, rig: Rig, at: Stations) -> tuple[Model, Floats]:
     """Enter the standard deviations that the measurement's noise gives the confirmed answer.
+
+    Returns those along the string beside, shape (2, n).
 
     The estimator is linear but for Coulomb friction, so that white noise of each channel comes
     out with the root of the sum of squares of the answer to a unit impulse on that channel.
@@ -163,21 +194,34 @@ def _with_deviations(model: Model, rig: Rig) -> Model:
         kinetic=np.zeros_like(model.line.kinetic), static=np.zeros_like(model.line.static)
     )
     linear = model._replace(line=free)
-    of_torque = _impulse_energy(linear, rig.bit, 1.0, 0.0)
-    of_speed = _impulse_energy(linear, rig.bit, 0.0, 1.0)
+    of_torque = _impulse_energy(linear, rig.bit, at, 1.0, 0.0)
+    of_speed = _impulse_energy(linear, rig.bit, at, 0.0, 1.0)
     noise = rig.measurement
-    variance = of_torque * noise.torque_noise**2 + of_speed * noise.speed_noise**2
-    speed_std, torque_std = np.sqrt(variance)
-    return model._replace(speed_std=float(speed_std), torque_std=float(torque_std))
+    (speed_std, torque_std), profile_std = (
+        np.sqrt(torque * noise.torque_noise**2 + speed * noise.speed_noise**2)
+        for torque, speed in zip(of_torque, of_speed, strict=True)
+    )
+    return model._replace(speed_std=float(speed_std), torque_std=float(torque_std)), profile_std
 
 
-def _impulse_energy(model: Model, bit: Bit, torque: float, speed: float) -> Floats:
-    """Sum of squares of the confirmed bit speed and torque after a unit impulse, shape (2,)."""
+def _impulse_energy(
+    model: Model, bit: Bit, at: Stations, torque: float, speed: float
+) -> tuple[Floats, Floats]:
+    """Sums of squares after a unit impulse: of confirmed bit speed and torque (2,), and along it (2, n)."""
     n = model.span + 1
     torques, speeds = np.zeros(2 * n), np.zeros(2 * n)
     torques[n], speeds[n] = torque, speed
     out = np.empty((2 * n, kernel.COLUMNS))
     flags = np.zeros(2 * n, np.uint32)
-    kernel.advance(model, fresh(model, bit), torques, speeds, flags, out, flags.copy())
+    state = fresh(model, bit)
+    told = np.empty((2, len(at.depth)))
+    energy = np.zeros_like(told)
+    for first, end in [(0, n), *((k, k + 1) for k in range(n, 2 * n))]:
+        ticks = slice(first, end)
+        kernel.advance(
+            model, state, torques[ticks], speeds[ticks], flags[ticks], out[ticks], flags[ticks].copy()
+        )
+        _look(model, state, at, told)
+        energy += told**2
     answer = out[n:, [kernel.CONFIRMED + kernel.SPEED, kernel.CONFIRMED + kernel.TORQUE]]
-    return np.asarray((answer**2).sum(axis=0))
+    return np.asarray((answer**2).sum(axis=0)), energy

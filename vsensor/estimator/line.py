@@ -23,11 +23,12 @@ REST_SPEED = 0.2
 
 @compiled
 def descend(
-    line: Line, waves: Floats, speeds: Floats, step: int, torque: float, speed: float
+    line: Line, waves: Floats, returned: Floats, speeds: Floats, step: int, torque: float, speed: float
 ) -> tuple[float, float]:
     """Peel the string from its top: torque and speed there at `step`, to those at its bottom.
 
-    Enters the waves of this step into `waves` and the junctions' speeds into `speeds` (M + 1,).
+    Enters f and g at the sections' tops at this step into `waves` and `returned` (M, size), and the
+    junctions' speeds into `speeds` (M + 1,).
     No allocation; a few flops a section.
     """
     mask = waves.shape[1] - 1
@@ -40,6 +41,7 @@ def descend(
         f = t + z * w
         g = t - z * w
         waves[i, now] = f
+        returned[i, now] = g
         arrived = waves[i, (step - line.round_trip[i]) & mask]
         t = 0.5 * (arrived + g)
         w = 0.5 * (arrived - g) / z

@@ -37,6 +37,7 @@ class Line(NamedTuple):
 
 
 class _Part(NamedTuple):
+    length: float
     impedance: float
     delay: float
     viscous: float
@@ -57,7 +58,7 @@ def cut(string: Sequence[Component], step_s: float, section_length: float) -> Li
     Distributed friction is lumped by the trapezoid rule: half of each section's at either end.
     Depths, not lengths, are rounded to the grid, so that the error never adds up.
     """
-    parts = _merged([piece for part in string for piece in _pieces(part, section_length)], step_s)
+    parts = _parts(string, step_s, section_length)
     depth = np.floor(np.cumsum([0.0, *(part.delay for part in parts)]) / step_s + 0.5).astype(np.int64)
     for i in range(1, len(depth)):  # whatever the rounding of a sum of floats: no section without a step
         depth[i] = max(depth[i], depth[i - 1] + 1)
@@ -70,11 +71,21 @@ def cut(string: Sequence[Component], step_s: float, section_length: float) -> Li
     )
 
 
+def junction_depths(string: Sequence[Component], step_s: float, section_length: float) -> Floats:
+    """Where a string so cut has its junctions, m along it from the top, shape (M + 1,)."""
+    return np.cumsum([0.0, *(part.length for part in _parts(string, step_s, section_length))])
+
+
+def _parts(string: Sequence[Component], step_s: float, section_length: float) -> list[_Part]:
+    return _merged([piece for part in string for piece in _pieces(part, section_length)], step_s)
+
+
 def _pieces(part: Component, section_length: float) -> list[_Part]:
     rubs = part.viscous_friction or part.coulomb_friction or part.static_friction
     count = math.ceil(part.length / section_length) if rubs else 1
     length = part.length / count
     piece = _Part(
+        length,
         component.impedance(part),
         component.delay(part) / count,
         part.viscous_friction * length,
@@ -98,6 +109,7 @@ def _lump(a: _Part, b: _Part) -> _Part:
     inertia = a.impedance * a.delay + b.impedance * b.delay
     compliance = a.delay / a.impedance + b.delay / b.impedance
     return _Part(
+        a.length + b.length,
         math.sqrt(inertia / compliance),
         math.sqrt(inertia * compliance),
         a.viscous + b.viscous,

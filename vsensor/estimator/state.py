@@ -55,6 +55,8 @@ class State(NamedTuple):
     speed: Floats
     waves: Floats
     """The wave f at the top of each section by internal step, shape (M, size), size a power of two."""
+    returned: Floats
+    """The wave g there, laid out alike, up to the last confirmed step."""
     junctions: Floats
     """Speed of each junction at the last confirmed step, 0 for one at rest, shape (M + 1,)."""
     top: Floats
@@ -86,12 +88,15 @@ def fresh(model: Model, bit: Bit) -> State:
     width = model.smooth.confirmed.speed_of_speed.shape[1]
     sections = len(model.line.impedance)
     end = max(model.forecast, model.smooth.lag * model.steps)
-    longest = int(model.line.round_trip.max())
-    size = 1 << int(end + longest + model.steps).bit_length()
+    # Seen at one moment, the string's top is a travel time behind the last confirmed step, and waves
+    # are looked up as far from there as the longest section reaches.
+    back = int(model.line.round_trip.sum())
+    size = 1 << int(end + back + model.steps).bit_length()
     return State(
         torque=np.zeros(2 * width),
         speed=np.zeros(2 * width),
         waves=np.zeros((sections, size)),
+        returned=np.zeros((sections, size)),
         junctions=np.zeros(sections + 1),
         top=np.zeros(2),
         balances=np.zeros(2),
