@@ -22,6 +22,8 @@ Modulus = Annotated[float, _quantity("Pa"), Field(gt=0)]
 Density = Annotated[float, _quantity("kg/m^3"), Field(gt=0)]
 Inertia = Annotated[float, _quantity("kg*m^2"), Field(ge=0)]
 Torque = Annotated[float, _quantity("N*m"), Field(ge=0)]
+TorqueLimit = Annotated[float, _quantity("N*m"), Field(gt=0)]
+ForceLimit = Annotated[float, _quantity("N"), Field(gt=0)]
 AngularSpeed = Annotated[float, _quantity("rad/s"), Field(gt=0)]
 ViscousFriction = Annotated[float, _quantity("N*m*s/rad"), Field(ge=0)]
 ViscousFrictionPerLength = Annotated[float, _quantity("N*m*s/rad/m"), Field(ge=0)]
@@ -51,6 +53,9 @@ class Component(_Table):
     viscous_friction: ViscousFrictionPerLength = 0.0
     coulomb_friction: TorquePerLength = 0.0
     static_friction: TorquePerLength = Field(default_factory=lambda given: given["coulomb_friction"])
+    torsional_strength: TorqueLimit | None = None
+    make_up_torque: TorqueLimit | None = None
+    tensile_strength: ForceLimit | None = None
 
     @model_validator(mode="after")
     def _is_a_pipe(self) -> Self:
@@ -100,7 +105,7 @@ class Measurement(_Table):
 
     torque_noise: Torque = 80.0
     speed_noise: Annotated[float, _quantity("rad/s"), Field(ge=0)] = 0.015
-    torque_limit: Annotated[float, _quantity("N*m"), Field(gt=0)] = 200e3
+    torque_limit: TorqueLimit = 200e3
     speed_limit: AngularSpeed = 60.0
     max_gap: PositiveTime = 0.25
     restart_gap: PositiveTime = 2.0

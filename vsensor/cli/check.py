@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 from rich import box
 from rich.console import Console
@@ -14,6 +15,7 @@ from vsensor.cli.oddities import oddities, wall_torque
 from vsensor.config import Rig, load
 from vsensor.estimator import component
 from vsensor.estimator.modes import torsional_modes
+from vsensor.estimator.strength import hanging_weight, torsional_limit
 
 MODES = 4
 RPM = 30 / math.pi
@@ -35,6 +37,9 @@ def check(
     console.print(f"{rig.rig.name} ({config}) is valid.", style="bold")
     _print_table(console, "The string, from the top drive down", _components(rig))
     _print_table(console, "Altogether", _totals(rig))
+    _print_table(
+        console, "What each component bears in torsion, at its top, the string hanging in air", _limits(rig)
+    )
     with console.status("compiling the kernels, once"):
         told = _answers(rig)
     _print_table(console, "What the sensor will tell of the bit", told)
@@ -64,6 +69,20 @@ def _components(rig: Rig) -> Table:
             f"{component.inertia(part):.1f}",
             f"{part.coulomb_friction * part.length:.0f}",
         )
+    return table
+
+
+def _limits(rig: Rig) -> Table:
+    tops = np.cumsum([0.0, *(part.length for part in rig.string)])[:-1]
+    table = Table(box=box.SIMPLE_HEAD)
+    table.add_column("component")
+    for head in ("tension\nkN", "limit\nkN·m"):
+        table.add_column(head, justify="right")
+    table.add_column("set by")
+    for part, tension in zip(rig.string, hanging_weight(rig.string, tops).tolist(), strict=True):
+        limit = torsional_limit(part, tension)
+        told = (f"{limit.torque / 1e3:.1f}", limit.by) if limit else ("-", "no strength is configured")
+        table.add_row(Text(part.name), f"{tension / 1e3:.0f}", *told)
     return table
 
 

@@ -4,9 +4,12 @@ from collections.abc import Iterator
 from ipaddress import ip_address
 from itertools import pairwise
 
+import numpy as np
+
 from vsensor.config import Rig
 from vsensor.estimator import component
 from vsensor.estimator.sections import FINEST
+from vsensor.estimator.strength import hanging_weight
 
 STEEL_WAVE_SPEEDS = (3000.0, 3300.0)
 """√(G/ρ) of drill-pipe and collar steels, m/s."""
@@ -19,7 +22,15 @@ IMPEDANCE_STEP = 10.0
 
 def oddities(rig: Rig) -> list[str]:
     """Each likely slip in one sentence: where it is, what it says, what it means."""
-    return [*_lengths(rig), *_sections(rig), *_friction(rig), *_ends(rig), *_measurement(rig), *_network(rig)]
+    return [
+        *_lengths(rig),
+        *_sections(rig),
+        *_strength(rig),
+        *_friction(rig),
+        *_ends(rig),
+        *_measurement(rig),
+        *_network(rig),
+    ]
 
 
 def _lengths(rig: Rig) -> Iterator[str]:
@@ -51,6 +62,24 @@ def _sections(rig: Rig) -> Iterator[str]:
             yield (
                 f'string[{number}] "{below.name}": {step:.2g} times the impedance of "{above.name}" above: '
                 "hardly a wave gets through; are the diameters right?"
+            )
+
+
+def _strength(rig: Rig) -> Iterator[str]:
+    tops = np.cumsum([0.0, *(part.length for part in rig.string)])[:-1]
+    tensions = hanging_weight(rig.string, tops).tolist()
+    for number, (part, tension) in enumerate(zip(rig.string, tensions, strict=True), 1):
+        if part.tensile_strength is None:
+            continue
+        if part.torsional_strength is None:
+            yield (
+                f'string[{number}] "{part.name}": tensile_strength alone limits nothing: '
+                "tension takes its share of torsional_strength, which is not given"
+            )
+        elif tension >= part.tensile_strength:
+            yield (
+                f'string[{number}] "{part.name}": {tension:.0f} N hang on it in air, beyond its '
+                f"tensile_strength of {part.tensile_strength:.0f} N"
             )
 
 
