@@ -8,6 +8,7 @@ import pytest
 
 from tests.rigs import BEGUN_NS, NS, RATE, SHORT, Surface, samples, simulated
 from vsensor.estimator.estimator import Estimator
+from vsensor.estimator.figures import BIT_SPEED
 from vsensor.estimator.severity import severity
 from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Estimate, Sample, Tick
 from vsensor.offline import Offline
@@ -157,10 +158,10 @@ def test_severity_is_that_of_the_window_and_forgets_at_a_restart(taken: Taken) -
     for tick, _ in taken:
         engine.step(tick)
     window = [estimate.confirmed_bit_speed_rad_s for _, estimate in taken[-4 * RATE :]]
-    assert severity(engine.recent) == pytest.approx(severity(np.array(window)), rel=1e-12)
+    assert severity(engine.window[BIT_SPEED]) == pytest.approx(severity(np.array(window)), rel=1e-12)
 
     engine.step(taken[0][0])
-    assert math.isnan(severity(engine.recent))
+    assert np.isnan(engine.window).all()
 
 
 def test_it_is_warm_once_there_is_an_answer(taken: Taken) -> None:
