@@ -25,7 +25,7 @@ class Figures(NamedTuple):
     """Over one window; NaN where not known. Named as the fields of the status."""
 
     stick_slip_period_s: float
-    """Mean time from one release of the bit to the next, s."""
+    """Mean time from one release of the bit to the next, and from one stop to the next, s."""
     stuck_share: float
     """Share of the time in which the bit stands (below STUCK_SPEED) while the top turns twice as fast."""
     back_rotation_share: float
@@ -60,10 +60,10 @@ def figures(window: Floats, tick_s: float) -> Figures:
 
 
 def period(speeds: Floats, tick_s: float) -> float:
-    """Mean time between releases, s: from the lowest quarter of the speed's range into the highest.
+    """Mean time between releases, and between stops, s; NaN where there are too few, or irregular ones.
 
-    NaN where there are fewer than three, or where they come irregularly. `speeds` (n,) in rad/s, NaN
-    where unknown.
+    A release is the speed's way from the lowest quarter of its range into the highest, a stop the way
+    back. `speeds` (n,) in rad/s, NaN where unknown.
     """
     finite = speeds[np.isfinite(speeds)]
     if len(finite) == 0:
@@ -72,10 +72,10 @@ def period(speeds: Floats, tick_s: float) -> float:
     margin = SWING * (high - low)
     side = (speeds > high - margin).astype(np.int8) - (speeds < low + margin).astype(np.int8)
     ticks = np.flatnonzero(side)
-    released = ticks[1:][np.diff(side[ticks]) > 0]
-    if len(released) < 3:
+    turns = np.diff(side[ticks])
+    periods = tick_s * np.concatenate([np.diff(ticks[1:][turns > 0]), np.diff(ticks[1:][turns < 0])])
+    if len(periods) < 2:
         return math.nan
-    periods = np.diff(released) * tick_s
     mean = float(periods.mean())
     return mean if periods.std() <= IRREGULAR * mean else math.nan
 

@@ -653,7 +653,7 @@ class Status(_message.Message):
     law_stribeck_rad_s: _builtins.float
     stick_slip_period_s: _builtins.float
     """Over severity_window_s, confirmed, top and bit at one and the same time:
-    mean time between releases of the bit; absent where not periodic
+    of stick-slip, or of another swing; absent where there is none
     """
     stuck_share: _builtins.float
     """of the time: bit below 0.5 rad/s while the top turns at 1 or more"""
