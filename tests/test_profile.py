@@ -11,6 +11,7 @@ from vsensor.config import Component, Rig
 from vsensor.estimator import component
 from vsensor.estimator.along import SPEED, TORQUE
 from vsensor.estimator.estimator import Estimator
+from vsensor.estimator.figures import figures
 from vsensor.messages import Estimate, Profile, Tick
 from vsensor.messages.vsensor_pb2 import GOOD, UNCERTAIN
 from vsensor.quality import Reason
@@ -93,6 +94,18 @@ def profiles(of: Rig, ticks: Iterable[tuple[float, float]]) -> list[tuple[Estima
         if profile := profiler.look(estimate):
             told.append((estimate, profile))
     return told
+
+
+def test_what_the_wall_takes_is_the_power_lost() -> None:
+    """10 rad/s against 30 N·m·s/rad along the pipe: 3 of the 90 kW that are fed in."""
+    engine = Engine(RIG)
+    for number in range(2400):
+        engine.step(Tick(number=number, motor_torque_nm=9e3, motor_speed_rad_s=10.0))
+    told = figures(engine.window, 1 / RIG.loop.rate)
+    assert told.top_power_w == pytest.approx(90e3, rel=1e-3)
+    assert told.lost_power_w == pytest.approx(3e3, rel=0.02)
+    assert told.stuck_share == told.back_rotation_share == told.back_rotation_turns == 0
+    assert math.isnan(told.stick_slip_period_s)
 
 
 def steady(torque: float, seconds: float = 5.0) -> list[Profile]:
