@@ -44,6 +44,7 @@ class Estimator:
         """Where along the string `profile` tells of it."""
         self._top = Stations._make(column[:1] for column in self.stations)
         self._profile = np.empty((2, len(self.stations.depth)))
+        self._profile_top = np.empty((2, 1))
         self._model, noise = _with_deviations(_model(rig, line, steps), rig, self.stations)
         self.profile_noise = noise
         """Standard deviation of `profile` from the measurement's noise, laid out like it."""
@@ -129,9 +130,8 @@ class Estimator:
 
     def top(self) -> tuple[float, float]:
         """Speed (rad/s) and torque (N·m) of the string's top at the time of the last confirmed answer."""
-        told = self._profile[:, :1]
-        _look(self._model, self._state, self._top, told)
-        return float(told[SPEED, 0]), float(told[TORQUE, 0])
+        _look(self._model, self._state, self._top, self._profile_top)
+        return float(self._profile_top[SPEED, 0]), float(self._profile_top[TORQUE, 0])
 
     def run(self, torque: ArrayLike, speed: ArrayLike, reasons: ArrayLike | None = None) -> Estimates:
         """Run n ticks of motor torque (N·m) and motor speed (rad/s), each of shape (n,).

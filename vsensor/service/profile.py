@@ -24,6 +24,7 @@ class Profiler:
         self._every = max(1, round(rig.loop.rate / RATE_HZ))
         at = estimator.stations
         parts = [rig.string[number] for number in at.component]
+        # Of mud and of the weight on the bit nothing is configured: in air, off bottom, tension is greatest.
         limits = [
             torsional_limit(part, tension)
             for part, tension in zip(parts, hanging_weight(rig.string, at.depth), strict=True)
