@@ -32,6 +32,41 @@ def friction(line: Line, junction: int, speed: float) -> float:
     return float(line.viscous[junction] * speed + line.kinetic[junction] * share)
 
 
+class Cells:
+    """A string at rest, turned at its top against a drag at its bottom: both waves in every cell of it.
+
+    In real time, as it is: f moves one cell down at each step, g one up. Its friction is viscous.
+    """
+
+    def __init__(self, line: Line, drag: float) -> None:
+        self.line, self.drag = line, drag
+        self.f = [[0.0] * (n // 2 + 1) for n in line.round_trip.tolist()]
+        self.g = [[0.0] * (n // 2 + 1) for n in line.round_trip.tolist()]
+
+    def step(self, speed: float) -> float:
+        """Torque at the top."""
+        z, rub = self.line.impedance.tolist(), self.line.viscous.tolist()
+        self.f = [[0.0, *f[:-1]] for f in self.f]
+        self.g = [[*g[1:], 0.0] for g in self.g]
+        self.f[0][0] = self.g[0][0] + 2 * z[0] * speed
+        for i in range(1, len(z)):
+            w = (self.f[i - 1][-1] - self.g[i][0]) / (z[i - 1] + z[i] + rub[i])
+            self.f[i][0] = self.g[i][0] + 2 * z[i] * w
+            self.g[i - 1][-1] = self.f[i - 1][-1] - 2 * z[i - 1] * w
+        w = self.f[-1][-1] / (z[-1] + rub[-1] + self.drag)
+        self.g[-1][-1] = self.f[-1][-1] - 2 * z[-1] * w
+        return float(self.g[0][0] + (z[0] + rub[0]) * speed)
+
+    def at(self, section: int, cell: int) -> tuple[float, float]:
+        """Speed and torque in a cell, its section's friction spread evenly."""
+        f, g = self.f[section][cell], self.g[section][cell]
+        w = (f - g) / (2 * self.line.impedance[section])
+        share, last = cell / (len(self.f[section]) - 1), len(self.f) - 1
+        above = friction(self.line, section, w) * (1.0 if section == 0 else 0.5)
+        below = friction(self.line, section + 1, w) * (1.0 if section == last else 0.5)
+        return w, (f + g) / 2 + (1 - share) * above - share * below
+
+
 class Forward:
     """A string at rest, driven by torque at its top: every junction's balance solved by bisection."""
 

@@ -71,6 +71,11 @@ def test_a_sound_rig_has_nothing_odd() -> None:
             with_part(1, outer_diameter="12 in"),
             'string[2] "[b]collar": 71 times the impedance of "pipe" above',
         ),
+        (with_part(0, tensile_strength="3 MN"), 'string[1] "pipe": tensile_strength alone limits nothing'),
+        (
+            with_part(0, tensile_strength="500 kN", torsional_strength="50 kN*m"),
+            'string[1] "pipe": 794568 N hang on it in air',
+        ),
         (with_part(1, coulomb_friction=0), "string: 2200 m without any friction"),
         (with_part(1, coulomb_friction=50), "bit.static_torque 8000 N·m is less than the wall's 10000 N·m"),
         (sound("top_drive", inertia=0), "top_drive: neither inertia nor gear"),
@@ -136,6 +141,8 @@ def test_the_report_gives_the_figures(tmp_path: Path) -> None:
         shear_modulus = "79.6 GPa"
         density = "8009 kg/m³"
         coulomb_friction = "0.5 N·m/m"
+        torsional_strength = "60 kN·m"
+        tensile_strength = "2 MN"
         """,
         encoding="utf-8",
     )
@@ -143,6 +150,8 @@ def test_the_report_gives_the_figures(tmp_path: Path) -> None:
     assert result.exit_code == 0
     rows = [line.split() for line in result.output.splitlines()]
     assert ["[b]shaft", "4000.00", "168.2", "149.9", "733.01", "1268.80", "930.0", "2000"] in rows
+    # It weighs ρgLπ(ro² − ri²) = 1437.5 kN: 60 √(1 − 0.7188²) = 41.7 kN·m are left at its top.
+    assert ["[b]shaft", "1438", "41.7", "torsional", "strength", "under", "tension"] in rows
     for row in (
         "a wave's way down 1.2688 s",
         "and back up 2.5376 s",

@@ -46,6 +46,9 @@ def components(draw: st.DrawFn) -> dict[str, Any]:
         "density": draw(positive),
         "viscous_friction": draw(from_zero),
         "coulomb_friction": kinetic,
+        "torsional_strength": draw(positive),
+        "make_up_torque": draw(positive),
+        "tensile_strength": draw(positive),
     }
     table |= {key: value for key, value in optional.items() if draw(st.booleans())}
     if "coulomb_friction" in table and draw(st.booleans()):
@@ -200,3 +203,15 @@ def test_a_file_that_is_no_text_is_named(tmp_path: Path, content: bytes | None) 
 def test_relative_folders_stay_relative() -> None:
     rig = loads(SMALL + '[recording]\nfolder = "here/sessions"', "small")
     assert rig.recording.folder == Path("here/sessions")
+
+
+def test_strengths_are_read_in_the_units_of_their_tables_and_may_be_left_out() -> None:
+    (pipe,) = loads(SMALL, "t").string
+    assert (pipe.torsional_strength, pipe.make_up_torque, pipe.tensile_strength) == (None, None, None)
+    given = (
+        'torsional_strength = "74.1 kft*lbf"\nmake_up_torque = "41.6 kN*m"\ntensile_strength = "712.1 klbf"'
+    )
+    (pipe,) = loads(SMALL + given, "t").string
+    assert pipe.torsional_strength == pytest.approx(100_466, abs=1)  # 1.355818 N·m a ft·lbf
+    assert pipe.make_up_torque == 41_600
+    assert pipe.tensile_strength == pytest.approx(3_167_579, abs=1)  # 4.448222 N a lbf

@@ -23,10 +23,12 @@ from vsensor.messages import (
     SENSOR_EVENT,
     SENSOR_STATUS,
     SENSOR_TICK,
+    STRING_PROFILE,
     SURFACE_SPEED,
     SURFACE_TORQUE,
     Estimate,
     Message,
+    Profile,
     Sample,
     Status,
     Tick,
@@ -37,6 +39,7 @@ from vsensor.recording.reader import Session
 
 pytestmark = pytest.mark.process
 
+HEARD = (BIT_SPEED, BIT_TORQUE, BIT_ESTIMATE, STRING_PROFILE)
 UNREADABLE = (
     (b"", surface.PROTOBUF),
     (b"\xff\xff\xff", surface.PROTOBUF),
@@ -104,7 +107,7 @@ def life(tmp_path_factory: pytest.TempPathFactory) -> Life:
             at["back"] = rig.await_status(lambda status: status.state == "running", "the input's return")
             wait_until(lambda: ("input_lost", False) in rig.events, "the event of its return")
             seen.events = rig.events
-            seen.heard = {topic: list(rig.heard(topic)) for topic in (BIT_SPEED, BIT_TORQUE, BIT_ESTIMATE)}
+            seen.heard = {topic: list(rig.heard(topic)) for topic in HEARD}
         seen.exit_status = sensor.end(signal.SIGINT)
         seen.said = sensor.said
         (seen.session,) = sensor.sessions
@@ -214,6 +217,31 @@ def test_the_bit_is_published_as_a_real_sensor_would(life: Life) -> None:
             assert sample.value == getattr(estimate, name.format(""))
             assert sample.standard_deviation == getattr(estimate, name.format("_std"))
             assert (sample.time_ns, sample.quality) == (estimate.time_ns, estimate.quality)
+
+
+def test_the_string_is_told_ten_times_a_second_at_the_confirmed_time(life: Life) -> None:
+    """Over the bus as in the session, each under the schema that the file bears."""
+    estimates = {e.number: e for e in cast("list[Estimate]", life.recorded(BIT_ESTIMATE))}
+    recorded = {p.number: p for p in cast("list[Profile]", life.recorded(STRING_PROFILE))}
+    known = [n for n, e in estimates.items() if n % 5 == 0 and e.HasField("confirmed_bit_speed_rad_s")]
+    assert sorted(recorded) == sorted(known)
+    assert len(known) > 50
+    for number, profile in recorded.items():
+        assert profile.time_ns == estimates[number].confirmed_time_ns
+        assert profile.speed_rad_s[-1] == pytest.approx(estimates[number].confirmed_bit_speed_rad_s, abs=1e-9)
+        assert profile.depth_m[-1] == SHORT.string[0].length
+    heard = cast("list[Profile]", life.heard[STRING_PROFILE])
+    assert heard
+    assert all(profile == recorded[profile.number] for profile in heard)
+
+
+def test_the_status_tells_what_becomes_of_the_power(life: Life) -> None:
+    told = [s for s in cast("list[Status]", life.recorded(SENSOR_STATUS)) if s.HasField("top_power_w")]
+    assert told
+    for status in told:
+        assert status.lost_power_w == pytest.approx(status.top_power_w - status.bit_power_w)
+        assert 0 <= status.stuck_share <= 1
+        assert 0 <= status.back_rotation_share <= 1
 
 
 def test_ctrl_c_ends_it_well_and_the_session_is_complete(life: Life) -> None:

@@ -8,6 +8,7 @@ import pytest
 
 from tests.rigs import BEGUN_NS, NS, RATE, SHORT, Surface, samples, simulated
 from vsensor.estimator.estimator import Estimator
+from vsensor.estimator.figures import BIT_SPEED, BIT_TORQUE, TOP_SPEED, TOP_TORQUE
 from vsensor.estimator.severity import severity
 from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Estimate, Sample, Tick
 from vsensor.offline import Offline
@@ -157,10 +158,27 @@ def test_severity_is_that_of_the_window_and_forgets_at_a_restart(taken: Taken) -
     for tick, _ in taken:
         engine.step(tick)
     window = [estimate.confirmed_bit_speed_rad_s for _, estimate in taken[-4 * RATE :]]
-    assert severity(engine.recent) == pytest.approx(severity(np.array(window)), rel=1e-12)
+    assert severity(engine.window[BIT_SPEED]) == pytest.approx(severity(np.array(window)), rel=1e-12)
 
     engine.step(taken[0][0])
-    assert math.isnan(severity(engine.recent))
+    assert np.isnan(engine.window).all()
+
+
+def test_the_window_has_top_and_bit_at_one_time(taken: Taken) -> None:
+    """Oldest first; the string's top is what the surface measured, the top drive's inertia taken off."""
+    readings = simulated(SECONDS)
+    engine = Engine(SHORT)
+    answers = [e for _, e in take(engine, samples(readings)) if e.HasField("confirmed_time_ns")]
+    window = engine.window
+    told = answers[-window.shape[1] :]
+    assert window[BIT_SPEED].tolist() == [e.confirmed_bit_speed_rad_s for e in told]
+    assert window[BIT_TORQUE].tolist() == [e.confirmed_bit_torque_nm for e in told]
+    times = [(e.confirmed_time_ns - BEGUN_NS) / NS for e in told]
+    speed = np.interp(times, [r.time_s for r in readings], [r.motor_speed for r in readings])
+    np.testing.assert_allclose(window[TOP_SPEED], speed, atol=0.1)
+    torque = np.interp(times, [r.time_s for r in readings], [r.motor_torque for r in readings])
+    accelerates = SHORT.top_drive.inertia * np.gradient(window[TOP_SPEED], 1 / RATE)
+    np.testing.assert_allclose(window[TOP_TORQUE], torque - accelerates, atol=500)
 
 
 def test_it_is_warm_once_there_is_an_answer(taken: Taken) -> None:

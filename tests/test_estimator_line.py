@@ -22,11 +22,11 @@ SEEDS = st.integers(0, 2**32 - 1)
 def fall(line: Line, torques: Floats, speeds: Floats) -> Floats:
     """The descent over a record: torque and speed at the bottom, shape (n, 2)."""
     waves = np.zeros((len(line.impedance), 1 << int(line.round_trip.max()).bit_length()))
+    returned = np.zeros_like(waves)
     junctions = np.zeros(len(line.impedance) + 1)
     steps = zip(torques, speeds, strict=True)
-    return np.array(
-        [descend(line, waves, junctions, k, t, w) for k, (t, w) in enumerate(steps)], dtype=np.float64
-    )
+    peeled = [descend(line, waves, returned, junctions, k, t, w) for k, (t, w) in enumerate(steps)]
+    return np.array(peeled, dtype=np.float64)
 
 
 @settings(max_examples=30)

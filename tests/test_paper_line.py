@@ -117,7 +117,7 @@ def peeled(line: Line, omega: float) -> NDArray[np.complex128]:
             speeds = np.zeros(len(line.impedance) + 1)
             out = (0.0, 0.0)
             for k in range(steps):
-                out = descend(line, waves, speeds, k, t[k], w[k])
+                out = descend(line, waves, np.zeros_like(waves), speeds, k, t[k], w[k])
             parts.append(out)
         late = omega * STEP * (steps - 1 - int(line.round_trip.sum()) / 2)
         columns.append((np.array(parts[0]) + 1j * np.array(parts[1])) * np.exp(-1j * late))

@@ -50,7 +50,8 @@ def test_the_sensors_own_descent_finds_the_same_torque_at_depth() -> None:
     part = SHAFT.model_copy(update={"length": SHAFT.length / 4})
     line = cut((part,), h, 1e4)
     waves, speeds = np.zeros((1, 1 << int(line.round_trip[0]).bit_length())), np.zeros(2)
-    peeled = [descend(line, waves, speeds, k, TORQUE, w)[0] for k, w in enumerate(answer.top.value)]
+    returned = np.zeros_like(waves)
+    peeled = [descend(line, waves, returned, speeds, k, TORQUE, w)[0] for k, w in enumerate(answer.top.value)]
     drawn = torque_along(
         wave_between(answer, SHAFT, TORQUE),
         SHAFT,

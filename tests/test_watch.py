@@ -6,8 +6,10 @@ from collections.abc import Iterable
 import pytest
 
 from tests.strings import PIPE, rig
-from vsensor.messages import Estimate, Event, Tick
-from vsensor.service.watch import STUCK_S, STUCK_SPEED, Condition, Watch
+from vsensor.estimator.figures import STUCK_SPEED
+from vsensor.messages import Estimate, Event, Profile, Tick
+from vsensor.messages.vsensor_pb2 import BAD, GOOD
+from vsensor.service.watch import RELIEVED, STUCK_S, Condition, Watch
 
 MS = 1_000_000
 DELAY_S = 0.5
@@ -116,3 +118,51 @@ def test_lost_input_is_told_with_the_time_of_the_last_tick() -> None:
     assert watching.second(0.1, input_lost=True) == []
     (back,) = watching.second(0.1, input_lost=False)
     assert (back.name, back.begins) == ("input_lost", False)
+
+
+def along(margin: float, time_ns: int = 0) -> Profile:
+    """A profile with this least margin, in a collar of 30 kN·m."""
+    return Profile(
+        time_ns=time_ns,
+        quality=GOOD,
+        weakest_component="collar",
+        weakest_depth_m=2700.4,
+        weakest_torque_nm=(margin - 1) * 30e3,
+        weakest_limit_nm=30e3,
+        weakest_limited_by="make-up torque",
+        weakest_margin=margin,
+    )
+
+
+def test_over_torque_names_the_component_its_depth_torque_and_limit() -> None:
+    """At the confirmed time, whichever way the torque turns."""
+    begun = Watch(SMALL, DELAY_S).profile(along(-0.1, 7 * MS))
+    assert begun == Event(
+        time_ns=7 * MS,
+        name="over_torque",
+        begins=True,
+        text="a component bears more torque than it may: collar, 2700 m down, bears 33.0 kN·m of 30.0 kN·m "
+        "(make-up torque)",
+    )
+
+
+def test_over_torque_ends_only_when_there_is_some_margin_again() -> None:
+    watching = Watch(SMALL, DELAY_S)
+    margins = [0.2, 0.001, -0.001, 0.001, -0.001, RELIEVED - 0.001, RELIEVED, 0.001, -0.001]
+    told = [watching.profile(along(margin)) for margin in margins]
+    assert [None if event is None else event.begins for event in told] == [
+        *[None, None, True],
+        *[None, None, None, False],
+        *[None, True],
+    ]
+
+
+def test_a_profile_that_is_bad_or_knows_no_limit_changes_nothing() -> None:
+    watching = Watch(SMALL, DELAY_S)
+    bad = along(-0.5)
+    bad.quality = BAD
+    assert watching.profile(bad) is None
+    assert watching.profile(Profile(quality=GOOD)) is None
+    assert watching.profile(along(-0.5)) is not None
+    bad.weakest_margin = 0.5
+    assert watching.profile(bad) is None

@@ -14,6 +14,7 @@ from vsensor.schema import (
     Bore,
     Density,
     Endpoint,
+    ForceLimit,
     Inertia,
     Length,
     Modulus,
@@ -25,6 +26,7 @@ from vsensor.schema import (
     Table,
     Time,
     Torque,
+    TorqueLimit,
     TorquePerLength,
     ViscousFriction,
     ViscousFrictionPerLength,
@@ -46,6 +48,9 @@ class Component(Table):
     coulomb_friction: TorquePerLength = 0.0
     static_friction: TorquePerLength = Field(default_factory=lambda given: given["coulomb_friction"])
     tool_joint_diameter: Length = Field(default_factory=lambda given: given["outer_diameter"])
+    torsional_strength: TorqueLimit | None = None
+    make_up_torque: TorqueLimit | None = None
+    tensile_strength: ForceLimit | None = None
 
     @model_validator(mode="after")
     def _is_a_pipe(self) -> Self:
@@ -100,7 +105,7 @@ class Measurement(Table):
 
     torque_noise: Torque = 80.0
     speed_noise: Annotated[float, quantity("rad/s"), Field(ge=0)] = 0.015
-    torque_limit: Annotated[float, quantity("N*m"), Field(gt=0)] = 200e3
+    torque_limit: TorqueLimit = 200e3
     speed_limit: AngularSpeed = 60.0
     max_gap: PositiveTime = 0.25
     restart_gap: PositiveTime = 2.0

@@ -40,6 +40,7 @@ class Results(NamedTuple):
     """What a contestant leaves behind; each has its own."""
 
     waves: Floats
+    returned: Floats
     junctions: Floats
     bottom: Floats
     marching: Floats
@@ -115,6 +116,7 @@ def _results(case: Case) -> Results:
     size = 1 << int(STEPS + case.reach).bit_length()
     return Results(
         waves=np.zeros((sections, size)),
+        returned=np.zeros((sections, size)),
         junctions=np.zeros(sections + 1),
         bottom=np.zeros((2, STEPS)),
         marching=np.zeros(sections + 1),
@@ -125,7 +127,7 @@ def _results(case: Case) -> Results:
 def _ours(case: Case) -> Contestant:
     r = _results(case)
     return Contestant(
-        lambda: _descend_all(case.line, r.waves, r.junctions, case.torque, case.speed, r.bottom),
+        lambda: _descend_all(case.line, r.waves, r.returned, r.junctions, case.torque, case.speed, r.bottom),
         lambda: _march_all(case.line, case.load, r.waves, case.reach, r.junctions, r.marching, r.told),
         r,
     )
@@ -133,10 +135,18 @@ def _ours(case: Case) -> Contestant:
 
 @compiled
 def _descend_all(
-    line: Line, waves: Floats, speeds: Floats, torque: Floats, speed: Floats, bottom: Floats
+    line: Line,
+    waves: Floats,
+    returned: Floats,
+    speeds: Floats,
+    torque: Floats,
+    speed: Floats,
+    bottom: Floats,
 ) -> None:
     for step in range(torque.shape[0]):
-        bottom[0, step], bottom[1, step] = descend(line, waves, speeds, step, torque[step], speed[step])
+        bottom[0, step], bottom[1, step] = descend(
+            line, waves, returned, speeds, step, torque[step], speed[step]
+        )
 
 
 @compiled
@@ -163,7 +173,7 @@ def _theirs(case: Case, c: ctypes.CDLL) -> Contestant:
 
     def all_steps() -> None:
         given = (_at(case.torque), _at(case.speed), number(STEPS))
-        c.descend(line, waves, size, _at(r.junctions), *given, _at(r.bottom))
+        c.descend(line, waves, _at(r.returned), size, _at(r.junctions), *given, _at(r.bottom))
 
     def all_marches() -> None:
         span = (number(STEPS - 1), number(case.reach))

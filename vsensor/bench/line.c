@@ -26,9 +26,9 @@ static inline double rubbing(const struct line *line, int64_t junction, double s
     return line->viscous[junction] * speed + line->kinetic[junction] * share;
 }
 
-/* waves: sections rings of `size` (a power of two) one behind the other; bottom: n torques, n speeds */
-void descend(const struct line *line, double *waves, int64_t size, double *speeds, const double *torque,
-             const double *speed, int64_t n, double *bottom)
+/* waves, returned: sections rings of `size` (a power of two) one behind the other; bottom: n torques, n speeds */
+void descend(const struct line *line, double *waves, double *returned, int64_t size, double *speeds,
+             const double *torque, const double *speed, int64_t n, double *bottom)
 {
     const int64_t mask = size - 1;
     for (int64_t step = 0; step < n; step++) {
@@ -40,6 +40,7 @@ void descend(const struct line *line, double *waves, int64_t size, double *speed
             const double z = line->impedance[i];
             const double f = t + z * w, g = t - z * w;
             ring[step & mask] = f;
+            returned[i * size + (step & mask)] = g;
             const double arrived = ring[(step - line->round_trip[i]) & mask];
             t = 0.5 * (arrived + g);
             w = 0.5 * (arrived - g) / z;

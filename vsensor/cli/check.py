@@ -15,6 +15,7 @@ from vsensor.cli.oddities import oddities, wall_torque
 from vsensor.config import Rig, load
 from vsensor.estimator import component
 from vsensor.estimator.modes import torsional_modes
+from vsensor.estimator.strength import hanging_weight, torsional_limit
 from vsensor.estimator.wellpath import contact, direction, vertical_depth, wall_friction, well_path
 from vsensor.well import Wellbore
 
@@ -42,6 +43,9 @@ def check(
     _print_table(console, "Altogether", _totals(rig))
     if rig.wellbore:
         _print_table(console, "The well, and the string in it while it turns", _well(rig, rig.wellbore))
+    _print_table(
+        console, "What each component bears in torsion, at its top, the string hanging in air", _limits(rig)
+    )
     with console.status("compiling the kernels, once"):
         told = _answers(rig)
     _print_table(console, "What the sensor will tell of the bit", told)
@@ -72,6 +76,20 @@ def _components(rig: Rig) -> Table:
             f"{component.inertia(part):.1f}",
             f"{wall:.0f}",
         )
+    return table
+
+
+def _limits(rig: Rig) -> Table:
+    tops = np.cumsum([0.0, *(part.length for part in rig.string)])[:-1]
+    table = Table(box=box.SIMPLE_HEAD)
+    table.add_column("component")
+    for head in ("tension\nkN", "limit\nkN·m"):
+        table.add_column(head, justify="right")
+    table.add_column("set by")
+    for part, tension in zip(rig.string, hanging_weight(rig.string, tops).tolist(), strict=True):
+        limit = torsional_limit(part, tension)
+        told = (f"{limit.torque / 1e3:.1f}", limit.by) if limit else ("-", "no strength is configured")
+        table.add_row(Text(part.name), f"{tension / 1e3:.0f}", *told)
     return table
 
 
@@ -117,9 +135,10 @@ def _answers(rig: Rig) -> Table:
     table = _pairs()
     table.add_row("first answer", f"{sensor.warm_up:.2f} s after the first samples")
     table.add_row("confirmed", f"{sensor.confirmed_delay:.3f} s late")
-    table.add_row("  its noise", f"{sensor.speed_noise * RPM:.1f} rpm, {sensor.torque_noise:.0f} N·m (one σ)")
+    speed, torque = sensor.noise.tolist()
+    table.add_row("  its noise", f"{speed * RPM:.1f} rpm, {torque:.0f} N·m (one σ, in middling rock)")
     table.add_row("forecast", f"{sensor.forecast_horizon:.3f} s ahead")
-    table.add_row("band", f"{rig.estimator.bandwidth:g} Hz")
+    table.add_row("band", f"up to {sensor.bandwidth:.1f} Hz the rock is told more than guessed")
     table.add_row("grid", f"{len(sensor.line.impedance)} sections, steps of {step_ms:g} ms")
     return table
 

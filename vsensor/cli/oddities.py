@@ -4,9 +4,12 @@ from collections.abc import Iterator
 from ipaddress import ip_address
 from itertools import pairwise
 
+import numpy as np
+
 from vsensor.config import Rig
 from vsensor.estimator import component
 from vsensor.estimator.sections import FINEST
+from vsensor.estimator.strength import hanging_weight
 from vsensor.estimator.wellpath import wall_friction
 
 STEEL_WAVE_SPEEDS = (3000.0, 3300.0)
@@ -27,6 +30,7 @@ def oddities(rig: Rig) -> list[str]:
     return [
         *_lengths(rig),
         *_sections(rig),
+        *_strength(rig),
         *_friction(rig),
         *_well(rig),
         *_ends(rig),
@@ -64,6 +68,24 @@ def _sections(rig: Rig) -> Iterator[str]:
             yield (
                 f'string[{number}] "{below.name}": {step:.2g} times the impedance of "{above.name}" above: '
                 "hardly a wave gets through; are the diameters right?"
+            )
+
+
+def _strength(rig: Rig) -> Iterator[str]:
+    tops = np.cumsum([0.0, *(part.length for part in rig.string)])[:-1]
+    tensions = hanging_weight(rig.string, tops).tolist()
+    for number, (part, tension) in enumerate(zip(rig.string, tensions, strict=True), 1):
+        if part.tensile_strength is None:
+            continue
+        if part.torsional_strength is None:
+            yield (
+                f'string[{number}] "{part.name}": tensile_strength alone limits nothing: '
+                "tension takes its share of torsional_strength, which is not given"
+            )
+        elif tension >= part.tensile_strength:
+            yield (
+                f'string[{number}] "{part.name}": {tension:.0f} N hang on it in air, beyond its '
+                f"tensile_strength of {part.tensile_strength:.0f} N"
             )
 
 

@@ -1,4 +1,6 @@
-"""What follows the newest state of the model string: the waves that are on their way, and the bit's answer."""
+"""What follows the newest state of the model string: the waves on their way, and the bit's answer to them."""
+
+import math
 
 from vsensor.estimator.learn import load_in_force
 from vsensor.estimator.line import march
@@ -25,3 +27,20 @@ def predict(model: Model, state: State) -> None:
         state.balances[BIT],
         state.ahead,
     )
+
+
+STICK_S = 0.1
+"""A bit that is foretold to rest for so long sticks: shorter stops are the turning points of an oscillation."""
+
+
+@compiled
+def stick_ahead(model: Model, state: State) -> float:
+    """Time from now until the bit is foretold to stick, s; 0 while it does; NaN where it does not."""
+    step_s = 1.0 / (model.rate * model.steps)
+    lasting = math.ceil(STICK_S / step_s)
+    rests = 0
+    for step in range(max(0, model.now - lasting), model.forecast):
+        rests = rests + 1 if state.ahead[0, step] == 0 else 0
+        if rests == lasting:
+            return max(0.0, (step + 1 - rests - (model.now - 1)) * step_s)
+    return math.nan

@@ -25,6 +25,11 @@ def impedance(part: Component) -> float:
     return polar_moment(part) * math.sqrt(part.density * part.shear_modulus)
 
 
+def stress_of_torque(part: Component) -> float:
+    """Shear stress at the outer surface for each N·m, ro/J, in Pa/(N·m)."""
+    return part.outer_diameter / 2 / polar_moment(part)
+
+
 def delay(part: Component) -> float:
     """One-way travel time θ = L/c, in s."""
     return part.length / wave_speed(part)

@@ -9,9 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from vsensor.config import Bit, Rig
 from vsensor.estimator import kernel
-from vsensor.estimator.gains import Plant, gains, rock_fade
+from vsensor.estimator.along import Stations, along, stations
+from vsensor.estimator.gains import TOLD_TOP_SPEED, TOLD_TOP_TORQUE, Plant, gains, rock_fade
 from vsensor.estimator.learn import lose_sight
-from vsensor.estimator.sections import Floats, Line, cut, steps_per_tick
+from vsensor.estimator.sections import Floats, Line, cut, junction_depths, steps_per_tick
 from vsensor.estimator.state import Model, State, fill, fill_shadows, flat, fresh, is_learned, shadowed
 from vsensor.estimator.tune import EVERY_S, INERTIA, correct, tuned
 
@@ -23,7 +24,8 @@ class Estimates(NamedTuple):
     """n ticks of answers. Speeds in rad/s, torques in N·m, NaN where not known yet."""
 
     values: Floats
-    """Shape (n, 12): confirmed, now, forecast, each speed, its deviation, torque, its deviation."""
+    """Shape (n, 17): confirmed, now, forecast, the string's top, each speed, its deviation, torque, its
+    deviation; then the time until a stick is foretold, s."""
     reasons: NDArray[np.uint32]
     """Flags of `quality.Reason`, shape (n,)."""
 
@@ -39,8 +41,12 @@ class Estimator:
         self._rig = rig
         tick = 1 / rig.loop.rate
         steps = steps_per_tick(rig.string, tick)
-        line = cut(rig.string, tick / steps, rig.estimator.section_length, rig.survey, rig.wellbore)
-        self._configured = _model(rig, line, steps)
+        cuts = rig.string, tick / steps, rig.estimator.section_length, rig.survey, rig.wellbore
+        line = cut(*cuts)
+        self.stations = stations(rig.string, line, junction_depths(*cuts))
+        """Where along the string `profile` tells of it."""
+        self._profile = np.empty((2, len(self.stations.depth)))
+        self._configured = _model(rig, line, self.stations, steps)
         self._between = round(EVERY_S * rig.loop.rate)
         self._one = (
             np.empty((2, 1)),
@@ -71,6 +77,21 @@ class Estimator:
     def forecast_horizon(self) -> float:
         """How long after the tick the forecast is for, s."""
         return (self._model.forecast - self._model.now) / self._model.steps / self._model.rate
+
+    @property
+    def noise(self) -> Floats:
+        """Standard deviations that noise and rock leave to the confirmed speed and torque, shape (2,)."""
+        return np.asarray(np.sqrt(self._model.gains.variance[self._state.level[0], :TOLD_TOP_SPEED]))
+
+    @property
+    def profile_noise(self) -> Floats:
+        """The same of `profile`, laid out like it."""
+        return np.asarray(np.sqrt(self._model.gains.along[self._state.level[0]]))
+
+    @property
+    def bandwidth(self) -> float:
+        """The frequency up to which at least half of the rock's torque is told, Hz."""
+        return float(self._model.gains.band[self._state.level[0]])
 
     @property
     def tuning(self) -> Floats:
@@ -116,11 +137,31 @@ class Estimator:
         fill_shadows(self._shadows.states, saved)
 
     def step(self, torque: float, speed: float, reasons: int = 0) -> tuple[Floats, int]:
-        """Run one tick; returns the answers (12,), valid until the next call, and the flags."""
+        """Run one tick; returns the answers (17,), valid until the next call, and the flags."""
         inputs, flags, values, lasting = self._one
         inputs[0, 0], inputs[1, 0], flags[0] = torque, speed, reasons
         self._advance(inputs[0], inputs[1], flags, values, lasting)
         return values[0], int(lasting[0])
+
+    def profile(self) -> Floats:
+        """Speed (rad/s) and torque (N·m) at each station at the time of the last confirmed answer.
+
+        Shape (2, n), valid until the next call; as good as that answer, and without meaning before the first.
+        """
+        model, state = self._model, self._state
+        along(model.line, state.waves, state.returned, self.stations, self._common_step(), self._profile)
+        return self._profile
+
+    def top(self) -> tuple[float, float]:
+        """Speed (rad/s) and torque (N·m) of the string's top at the time of the last confirmed answer."""
+        at = self._common_step() & (self._state.told.shape[1] - 1)
+        speed, torque = self._state.told[TOLD_TOP_SPEED, at], self._state.told[TOLD_TOP_TORQUE, at]
+        return float(speed), float(torque)
+
+    def _common_step(self) -> int:
+        """The internal step at which the top stood when the bit did what is confirmed of it last."""
+        travel = self._model.now - self._model.behind * self._model.steps
+        return int((self._state.ticks[0] - self._model.lag) * self._model.steps - 1 - travel)
 
     def run(self, torque: ArrayLike, speed: ArrayLike, reasons: ArrayLike | None = None) -> Estimates:
         """Run n ticks of motor torque (N·m) and motor speed (rad/s), each of shape (n,).
@@ -160,9 +201,9 @@ class Estimator:
         lasting: NDArray[np.uint32],
     ) -> None:
         kernel.advance(self._model, self._state, self._shadows, torques, speeds, flags, values, lasting)
-        if self._state.ticks[0] % self._between == 0:
-            if correct(self._state.tuning, self._shadows.off, self._rig.tuning.enabled):
-                self._tune()
+        due = self._state.ticks[0] % self._between == 0
+        if due and correct(self._state.tuning, self._shadows.off, self._rig.tuning.enabled):
+            self._tune()
 
     def _new(self) -> State:
         return fresh(self._configured, self._rig.bit, self._rig.tuning)
@@ -184,7 +225,7 @@ class Estimator:
         return _timed(self._configured._replace(line=line, drive_rate=rate))
 
 
-def _model(rig: Rig, line: Line, steps: int) -> Model:
+def _model(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
     rate, drive, measured = rig.loop.rate, rig.top_drive, rig.measurement
     passed = drive.gear_ratio * drive.efficiency
     plant = Plant(
@@ -203,7 +244,7 @@ def _model(rig: Rig, line: Line, steps: int) -> Model:
     round_trip = int(line.round_trip.sum())
     model = Model(
         line=line,
-        gains=gains(plant, lag, (behind + round_trip / 2 / steps, round_trip / steps)),
+        gains=gains(plant, at, lag, (behind + round_trip / 2 / steps, round_trip / steps)),
         bit_rate=plant.bit_rate,
         drive_rate=plant.drive_rate,
         passed=passed,

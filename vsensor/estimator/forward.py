@@ -92,7 +92,18 @@ def _drive(
     for k in range(torques.shape[0]):
         step = done + k
         g, balances[BIT] = march(
-            line, load, waves, step - 1, 1, step - 1, EVERY_JUNCTION, external[k], 1.0, speeds, balances[BIT], told
+            line,
+            load,
+            waves,
+            step - 1,
+            1,
+            step - 1,
+            EVERY_JUNCTION,
+            external[k],
+            1.0,
+            speeds,
+            balances[BIT],
+            told,
         )
         pull = drive.torque_ratio * torques[k] - g
         w, balances[TOP] = turn_top(line, drive.inertia_rate, pull, speeds[0], balances[TOP])

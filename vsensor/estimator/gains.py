@@ -13,11 +13,13 @@ This is the steady Kalman filter and its fixed-lag smoother of the whole string,
 without a matrix of the size of its state.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vsensor.estimator.along import Stations, keep_returned
 from vsensor.estimator.line import EVERY_JUNCTION, march, turn_top
 from vsensor.estimator.load import Load
 from vsensor.estimator.sections import Floats, Line
@@ -28,7 +30,7 @@ ROCK_LEVELS = 25.0 * 2.0 ** np.arange(9)
 ROCK_MEMORY_S = 0.3
 """Correlation time of the rock's torque: with 0.1 or 1 s instead, the answers are hardly worse."""
 MEMORY_S = 8.0
-"""The design string forgets within so long, lest what little a long string loses makes it ring for minutes."""
+"""The string of the design forgets within so long: one that loses little would ring for minutes."""
 HORIZON_S = 4 * MEMORY_S
 LEAST_SPEED_NOISE = 1e-4
 """rad/s: a speed without any noise would be believed against all else."""
@@ -50,12 +52,16 @@ class Gains(NamedTuple):
     """Of the present state, shape (C, 5)."""
     waves: Floats
     """Of the wave f at each section's top, newest first, shape (C, M, L)."""
+    returned: Floats
+    """Of the wave g there, laid out alike."""
     told: Floats
     """Of the answers, newest first, shape (C, 4, L)."""
     variance: Floats
     """Of the answers' errors once all L corrections are in, (rad/s)² and (N·m)², shape (C, 4)."""
     unforeseen: Floats
     """Of the bit's speed and torque foretold for now and for the end of the forecast, shape (C, 2, 2)."""
+    along: Floats
+    """Of speed and torque at the string's stations when confirmed, shape (C, 2, n)."""
     band: Floats
     """Frequency up to which at least half of the rock's torque is told, Hz, shape (C,)."""
 
@@ -85,21 +91,37 @@ class _Responses(NamedTuple):
     """Shape (5, F)."""
     waves: NDArray[np.complex128]
     """At each internal step of the tick, shape (M, steps, F)."""
+    returned: NDArray[np.complex128]
+    """The same of the waves that come back."""
     told: NDArray[np.complex128]
     """Shape (4, steps, F)."""
+    along: NDArray[np.complex128]
+    """Speed and torque at n stations, when the bit of the same moment stands at the tick; shape (2 n, F)."""
 
 
 def rock_fade(rate: float) -> float:
     """Share of the rock's torque that is left after one step at `rate` (Hz)."""
-    return float(np.exp(-1 / (ROCK_MEMORY_S * rate)))
+    return math.exp(-1 / (ROCK_MEMORY_S * rate))
 
 
-def gains(plant: Plant, lag: int, ahead: tuple[float, float]) -> Gains:
+def gains(plant: Plant, at: Stations, lag: int, ahead: tuple[float, float]) -> Gains:
     """The gains of a string for answers `lag` ticks late, and foretold so many ticks ahead."""
     ticks = 1 << (round(HORIZON_S * plant.rate) - 1).bit_length()
-    of_rock, of_noise = (_responses(plant, ticks, by_rock=by_rock) for by_rock in (True, False))
+    of_rock, of_noise = (_responses(plant, at, ticks, by_rock=by_rock) for by_rock in (True, False))
     each = [_at_level(plant, of_rock, of_noise, float(level), lag, ahead) for level in ROCK_LEVELS]
-    return Gains(ROCK_LEVELS.copy(), *(np.array(column) for column in zip(*each, strict=True)))
+    columns: list[Floats] = [_rounded(np.array(column)) for column in zip(*each, strict=True)]
+    return Gains(ROCK_LEVELS.copy(), *columns)
+
+
+def _rounded(column: Floats) -> Floats:
+    """Each row to 26 bits of its greatest.
+
+    The last bits of transforms and logarithms differ between processors; a session must come out the
+    same on each.
+    """
+    greatest = np.abs(column).max(axis=-1, keepdims=True) if column.ndim > 1 else np.abs(column)
+    grid = np.ldexp(1.0, np.frexp(greatest)[1] - 26)
+    return np.asarray(np.rint(column / grid) * grid)
 
 
 def _at_level(
@@ -109,7 +131,7 @@ def _at_level(
     level: float,
     lag: int,
     ahead: tuple[float, float],
-) -> tuple[float, Floats, Floats, Floats, Floats, Floats, float]:
+) -> tuple[float, Floats, Floats, Floats, Floats, Floats, Floats, Floats, float]:
     kick = level**2 * (1 - rock_fade(plant.rate) ** 2)
     noise = plant.torque_noise**2
     ticks = 2 * (len(of_rock.seen) - 1)
@@ -123,18 +145,26 @@ def _at_level(
         response: Floats = np.fft.irfft(together / causal.conj(), ticks) / innovation
         return response
 
+    def left(rock: NDArray[np.complex128], motor: NDArray[np.complex128], *starts: int) -> list[Floats]:
+        """Variances of what innovations up to so many ticks before, or after, have not told."""
+        apart = kick * np.abs(rock) ** 2 + noise * np.abs(motor) ** 2
+        altogether = np.fft.irfft(apart, ticks)[..., 0]
+        squares = respond(rock, motor) ** 2
+        return [np.maximum(altogether - innovation * _since(squares, start), 0.0) for start in starts]
+
     told = respond(of_rock.told, of_noise.told)
-    apart = kick * np.abs(of_rock.told[:, -1]) ** 2 + noise * np.abs(of_noise.told[:, -1]) ** 2
-    altogether = np.fft.irfft(apart, ticks)[:, 0]
-    known = innovation * np.array([_since(told[:, -1] ** 2, start) for start in (1 - lag, *map(round, ahead))])
-    confirmed, *unforeseen = np.maximum(altogether - known, 0.0)
+    bit_and_top = of_rock.told[:, -1], of_noise.told[:, -1]
+    confirmed, *unforeseen = left(*bit_and_top, 1 - lag, *map(round, ahead))
+    (along,) = left(of_rock.along, of_noise.along, 1 - lag)
     return (
         innovation,
         respond(of_rock.state, of_noise.state)[:, 0],
         _newest_first(respond(of_rock.waves, of_noise.waves), lag),
+        _newest_first(respond(of_rock.returned, of_noise.returned), lag),
         _newest_first(told, lag),
         confirmed,
         np.array(unforeseen)[:, :TOLD_TOP_SPEED],
+        along.reshape(2, -1),
         _half_told(by_rock / seen, plant.rate),
     )
 
@@ -171,18 +201,19 @@ def _half_told(share: Floats, rate: float) -> float:
     return first * rate / (2 * (len(share) - 1))
 
 
-def _responses(plant: Plant, ticks: int, *, by_rock: bool) -> _Responses:
+def _responses(plant: Plant, at: Stations, ticks: int, *, by_rock: bool) -> _Responses:
     line = plant.line
     free = line._replace(kinetic=np.zeros_like(line.kinetic), static=np.zeros_like(line.static))
     load = Load(plant.drag, 0.0, 0.0, 1.0, plant.bit_rate)
     half = ticks // 2
     sections = len(line.impedance)
     state = np.zeros((half, 5))
-    waves = np.zeros((half * plant.steps, sections))
+    waves = np.zeros((2, half * plant.steps, sections))
     told = np.zeros((half * plant.steps, 4))
     fade = rock_fade(plant.rate * plant.steps)
     size = 1 << int(line.round_trip.max() + plant.steps).bit_length()
-    _strike(free, load, plant.drive_rate, plant.steps, fade, by_rock, np.zeros((sections, size)), state, waves, told)
+    rings = np.zeros((2, sections, size))
+    _strike(free, load, plant.drive_rate, plant.steps, fade, by_rock, rings, state, waves, told)
     forgets = np.exp(-np.arange(half) / (MEMORY_S * plant.rate))
 
     def spectra(columns: Floats) -> NDArray[np.complex128]:
@@ -191,7 +222,33 @@ def _responses(plant: Plant, ticks: int, *, by_rock: bool) -> _Responses:
         return np.fft.rfft(by_step * forgets, ticks)
 
     of_state = spectra(state)[:, 0]
-    return _Responses(of_state[TOP_SPEED], of_state, spectra(waves), spectra(told))
+    return _Responses(
+        of_state[TOP_SPEED],
+        of_state,
+        spectra(waves[0]),
+        spectra(waves[1]),
+        spectra(told),
+        spectra(_along(free, at, waves)[plant.steps - 1 :: plant.steps])[:, 0],
+    )
+
+
+def _along(line: Line, at: Stations, waves: Floats) -> Floats:
+    """Speed and torque at the stations, each seen when the bit of the same moment is; shape (steps, 2 n).
+
+    `waves` (2, steps, M): those that go down and those that come back, at the sections' tops.
+    """
+    travel = int(line.round_trip.sum()) // 2
+    step = np.arange(waves.shape[1])[:, None] - travel + at.down
+    f = _seen(waves[0], step - at.inside, at.section)
+    g = _seen(waves[1], step + at.inside, at.section)
+    speed = 0.5 * (f - g) / line.impedance[at.section]
+    rubbed = at.above * line.viscous[at.section] - at.below * line.viscous[at.section + 1]
+    return np.concatenate([speed, 0.5 * (f + g) + rubbed * speed], axis=1)
+
+
+def _seen(waves: Floats, step: NDArray[np.int64], section: NDArray[np.int64]) -> Floats:
+    """Waves (steps, M) at steps (steps, n), nothing before the first."""
+    return np.where(step >= 0, waves[np.maximum(step, 0), section], 0.0)
 
 
 @compiled
@@ -202,18 +259,19 @@ def _strike(
     steps: int,
     fade: float,
     by_rock: bool,
-    ring: Floats,
+    rings: Floats,
     state: Floats,
     waves: Floats,
     told: Floats,
 ) -> None:
     """Answers of a string at rest to 1 N·m of rock that fades, or of motor torque at one tick's sample."""
+    ring = rings[0]
     mask = ring.shape[1] - 1
     speeds = np.zeros(line.impedance.shape[0] + 1)
     bit = np.zeros((2, 1))
     top_balance, bit_balance = 0.0, 0.0
     rock = 1.0 if by_rock else 0.0
-    for step in range(waves.shape[0]):
+    for step in range(waves.shape[1]):
         g, bit_balance = march(
             line, load, ring, step - 1, 1, step - 1, EVERY_JUNCTION, rock, 1.0, speeds, bit_balance, bit
         )
@@ -222,8 +280,10 @@ def _strike(
         w, top_balance = turn_top(line, drive_rate, motor - g, speeds[0], top_balance)
         speeds[0] = w
         ring[0, step & mask] = g + 2 * line.impedance[0] * w
-        for i in range(ring.shape[0]):
-            waves[step, i] = ring[i, step & mask]
+        keep_returned(line, ring, speeds, step, rings[1])
+        for way in range(2):
+            for i in range(ring.shape[0]):
+                waves[way, step, i] = rings[way, i, step & mask]
         told[step, TOLD_BIT_SPEED] = bit[0, 0]
         told[step, TOLD_BIT_TORQUE] = bit[1, 0]
         told[step, TOLD_TOP_SPEED] = w

@@ -1,11 +1,11 @@
-"""One tick of the estimator, compiled: take the input, observe, score, learn, march, answer. No allocation."""
+"""One tick of the estimator, compiled: take the input, observe, score, learn, march, answer."""
 
 import math
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vsensor.estimator.ahead import predict
+from vsensor.estimator.ahead import predict, stick_ahead
 from vsensor.estimator.gains import TOLD_BIT_SPEED, TOLD_BIT_TORQUE
 from vsensor.estimator.learn import learn, lose_sight
 from vsensor.estimator.observe import observe, settle
@@ -13,7 +13,16 @@ from vsensor.estimator.rock import weigh_rock
 from vsensor.estimator.score import VALUE, foretell, score, variance
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import FLAGS, Model, Shadows, State
-from vsensor.estimator.tune import DELAY, FRICTION, INERTIA, SETTLED_S, SHADOWED, SHADOWS, wall_torque
+from vsensor.estimator.tune import (
+    DELAY,
+    FRICTION,
+    INERTIA,
+    SETTLED_S,
+    SHADOWED,
+    SHADOWS,
+    wall_torque,
+    weigh_tare,
+)
 from vsensor.estimator.tune import MEMORY_S as TUNING_MEMORY_S
 from vsensor.jit import compiled
 from vsensor.quality import Reason
@@ -21,7 +30,16 @@ from vsensor.quality import Reason
 CONFIRMED, NOW, FORECAST = 0, 4, 8
 """Where each answer starts in a row of output: speed, its deviation, torque, its deviation."""
 SPEED, SPEED_STD, TORQUE, TORQUE_STD = range(4)
-COLUMNS = 12
+TOP = 12
+"""The string's top at the time that is confirmed, in the same order."""
+STICK = 16
+"""Time until the bit is foretold to stick, s; NaN where it is not."""
+COLUMNS = 17
+
+OFF_BOTTOM = 1 << 16
+"""Flag of an input: the bit is off bottom. Not a reason to doubt anything."""
+TURNING = 0.5
+"""Off bottom, wall friction is told while the bit turns faster than this, rad/s."""
 
 _WARMING_UP = int(Reason.WARMING_UP)
 _STALE_TORQUE = int(Reason.STALE_TORQUE)
@@ -41,38 +59,42 @@ def advance(
     out: Floats,
     out_reasons: NDArray[np.uint32],
 ) -> None:
-    """Run n ticks: inputs (n,), `out` (n, COLUMNS) and `out_reasons` (n,) are filled.
+    """Run n ticks: inputs (n,), `out` (n, COLUMNS) and `out_reasons` (n,) are filled. No allocation.
 
-    An input that is not finite, or beyond belief, counts as missing: the last one is held, and flagged.
+    `reasons` (n,) holds flags of `quality.Reason`, and OFF_BOTTOM. An input that is not finite, or beyond belief, counts as missing: the last one is held, and flagged.
     """
     for k in range(torque.shape[0]):
         flags = _enter(model, state, torque[k], speed[k], reasons[k])
+        _follow_bit(model, state, reasons[k] & OFF_BOTTOM != 0)
         if state.ticks[0] == 0:
             settle(model, state, state.inputs[0, 0], state.inputs[1, 0])
             for shadow in range(SHADOWS):
                 settle(shadows.models[shadow], shadows.states[shadow], state.inputs[0, 0], state.inputs[1, 0])
         out_reasons[k] = _lasting(model, state, flags)
-        observe(model, state)
+        observe(model, state, True)
         for shadow in range(SHADOWS):
-            observe(shadows.models[shadow], shadows.states[shadow])
+            observe(shadows.models[shadow], shadows.states[shadow], False)
         if not out_reasons[k] & _NOT_MEASURED:
             _score(model, state, shadows)
         if out_reasons[k]:
             lose_sight(state.learned)
+        elif state.off_bottom[0] > 0:
+            _tare(model, state, shadows)
         else:
             _learn(model, state)
-            if state.ticks[0] > SETTLED_S * model.rate:
-                _tune(model, state, shadows)
+        if not out_reasons[k] and state.ticks[0] > SETTLED_S * model.rate:
+            _tune(model, state, shadows)
         predict(model, state)
         _foretell(model, state)
         _answer(model, state, shadows, out_reasons[k], out[k])
+        if not out_reasons[k] & _WARMING_UP:
+            _answer_top(model, state, out[k])
         state.ticks[0] += 1
 
 
 @compiled
 def _enter(model: Model, state: State, torque: float, speed: float, reasons: int) -> int:
-    tick = state.ticks[0]
-    flags = int(reasons)
+    flags = int(reasons) & (OFF_BOTTOM - 1)
     if not abs(torque) <= model.limits[0]:
         flags |= _STALE_TORQUE
     if not abs(speed) <= model.limits[1]:
@@ -80,6 +102,17 @@ def _enter(model: Model, state: State, torque: float, speed: float, reasons: int
     _keep(state, 0, torque, flags & _STALE_TORQUE != 0)
     _keep(state, 1, speed, flags & _STALE_SPEED != 0)
     return flags
+
+
+@compiled
+def _follow_bit(model: Model, state: State, off: bool) -> None:
+    """Count since when the bit has been off bottom; the model's own is a travel time behind."""
+    count = state.off_bottom[0]
+    state.off_bottom[0] = max(count, 0) + 1 if off else min(count, 0) - 1
+    if state.ticks[0] == 0:
+        state.learned.idle[0] = 1 if off else 0
+    elif abs(state.off_bottom[0]) * model.steps >= model.now:
+        state.learned.idle[0] = 1 if off else 0
 
 
 @compiled
@@ -139,6 +172,21 @@ def _tune(model: Model, state: State, shadows: Shadows) -> None:
 
 
 @compiled
+def _tare(model: Model, state: State, shadows: Shadows) -> None:
+    """Learn the wall's friction from a bit that has been off bottom for as long as it takes to be confirmed."""
+    lose_sight(state.learned)
+    if (state.off_bottom[0] - model.lag) * model.steps < model.now:
+        return
+    step = _confirmed_step(model, state)
+    at = step & (state.told.shape[1] - 1)
+    speed, torque = state.told[TOLD_BIT_SPEED, at], state.told[TOLD_BIT_TORQUE, at]
+    weigh_rock(model, state, speed, torque)
+    if abs(speed) > TURNING:
+        doubt = model.gains.variance[state.level[0], TOLD_BIT_TORQUE] * max(1.0, state.surprise[0])
+        weigh_tare(state.tuning, wall_torque(model.line, speed), torque, doubt, model.rate)
+
+
+@compiled
 def _doubt(model: Model, state: State, shadows: Shadows, quantity: int, step: int) -> float:
     """Variance of a confirmed answer: by noise and rock, and by what is uncertain of the parameters."""
     mask = state.told.shape[1] - 1
@@ -191,6 +239,7 @@ def _answer(model: Model, state: State, shadows: Shadows, reasons: int, out: Flo
     out[:] = math.nan
     if reasons & _WARMING_UP:
         return
+    out[STICK] = stick_ahead(model, state)
     by_law = reasons & _STALE != 0
     confirmed = _confirmed_step(model, state)
     place = state.ticks[0] % state.scores.foretold.shape[3]
@@ -208,6 +257,16 @@ def _answer(model: Model, state: State, shadows: Shadows, reasons: int, out: Flo
                 # What was foretold was held against a confirmed answer that is not exact itself.
                 at = (NOW if kind == 0 else FORECAST) + 2 * q
                 _tell(out, at, foretold[VALUE], missed + doubt)
+
+
+@compiled
+def _answer_top(model: Model, state: State, out: Floats) -> None:
+    """The string's top at the time that is confirmed of the bit, and what noise leaves of doubt."""
+    step = _confirmed_step(model, state) - (model.now - model.behind * model.steps)
+    at = step & (state.told.shape[1] - 1)
+    for q in range(2):
+        variance = model.gains.variance[state.level[0], 2 + q] * max(1.0, state.surprise[0])
+        _tell(out, TOP + 2 * q, state.told[2 + q, at], variance)
 
 
 @compiled

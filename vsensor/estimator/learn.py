@@ -18,7 +18,7 @@ from vsensor.estimator.load import Load
 from vsensor.estimator.sections import Floats, Integers
 from vsensor.jit import compiled
 
-STRIBECK_SPEEDS = np.geomspace(0.2, 5.0, 9)
+STRIBECK_SPEEDS = np.array([0.2 * 25.0 ** (i / 8) for i in range(9)])
 """Candidates, rad/s: 2 to 48 rpm, each half as fast again as the one before."""
 
 SLIDING = 1.5
@@ -64,6 +64,8 @@ class Learned(NamedTuple):
     """The typical residual, N·m; then the most torque withstood in the present stop, N·m; shape (2,)."""
     stop: Integers
     """Ticks of the present stop, and the candidate in force, shape (2,)."""
+    idle: Integers
+    """1 while the bit is off bottom and meets nothing, shape (1,)."""
 
 
 def fresh_law(bit: Bit) -> Learned:
@@ -82,12 +84,15 @@ def fresh_law(bit: Bit) -> Learned:
         fits=np.tile(guess, (candidates, 1)),
         scale=np.array([max(bit.kinetic_torque, 100.0), 0.0]),
         stop=np.array([0, nearest]),
+        idle=np.zeros(1, np.int64),
     )
 
 
 @compiled
 def load_in_force(learned: Learned, inertia_rate: float) -> Load:
-    """The law as the kernels take it."""
+    """The law as the kernels take it; none while the bit is off bottom."""
+    if learned.idle[0]:
+        return Load(0.0, 0.0, 0.0, 1.0, inertia_rate)
     law = learned.law
     return Load(float(law[0]), float(law[1]), float(law[2]), float(law[3]), inertia_rate)
 

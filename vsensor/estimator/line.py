@@ -15,6 +15,18 @@ from vsensor.jit import compiled
 EVERY_JUNCTION = 1 << 60
 """A reach for the march that spares no junction."""
 
+FADE_SPEED = 1.0
+"""Below this speed (rad/s) Coulomb friction fades to zero where it is told of a speed that was measured: a
+junction at rest may bear any torque up to the static one, and the sign of its noise would throw the full
+friction from side to side."""
+
+
+@compiled
+def rubbing(line: Line, junction: int, speed: float) -> float:
+    """Friction of a junction that turns at a measured speed, N·m."""
+    share = min(1.0, max(-1.0, speed / FADE_SPEED))
+    return float(line.viscous[junction] * speed + line.kinetic[junction] * share)
+
 
 @compiled
 def march(

@@ -10,6 +10,7 @@ silent the same string runs on under the other alone:
 
 import math
 
+from vsensor.estimator.along import keep_returned
 from vsensor.estimator.gains import (
     BIT_BALANCE,
     BIT_SPEED,
@@ -22,9 +23,9 @@ from vsensor.estimator.gains import (
     TOP_SPEED,
 )
 from vsensor.estimator.learn import load_in_force
-from vsensor.estimator.line import EVERY_JUNCTION, march, turn_top
+from vsensor.estimator.line import EVERY_JUNCTION, march, rubbing, turn_top
 from vsensor.estimator.load import law
-from vsensor.estimator.sections import Floats, Line
+from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import BIT, SPEED, TOP, TORQUE, Model, State
 from vsensor.jit import compiled
 
@@ -43,24 +44,21 @@ def settle(model: Model, state: State, torque: float, speed: float) -> None:
     t, w = torque * model.passed, speed / model.turns
     if abs(w) < REST_SPEED:
         w = 0.0
-    t -= _rubbing(line, 0, w)
+    t -= rubbing(line, 0, w)
     for i in range(line.impedance.shape[0]):
         state.waves[i, :] = t + line.impedance[i] * w
-        t -= _rubbing(line, i + 1, w)
+        t -= rubbing(line, i + 1, w)
     state.junctions[:] = w
     state.balances[:] = 0.0
     state.rock[0] = t - law(load_in_force(state.learned, model.bit_rate), w) if w != 0 else 0.0
 
 
 @compiled
-def _rubbing(line: Line, junction: int, speed: float) -> float:
-    sign = 1.0 if speed > 0 else -1.0 if speed < 0 else 0.0
-    return float(line.viscous[junction] * speed + line.kinetic[junction] * sign)
+def observe(model: Model, state: State, keeps: bool) -> None:
+    """Run the internal steps of this tick, whose input has been entered, and correct.
 
-
-@compiled
-def observe(model: Model, state: State) -> None:
-    """Run the internal steps of this tick, whose input has been entered, and correct."""
+    The waves that come back are kept only where somebody looks along the string (`keeps`).
+    """
     inputs = state.inputs
     width = inputs.shape[1]
     place = (state.ticks[0] - model.behind) % width
@@ -80,11 +78,15 @@ def observe(model: Model, state: State) -> None:
             torque = inputs[TORQUE, then] + (at - 1.0) * (inputs[TORQUE, after] - inputs[TORQUE, then])
         step = state.ticks[0] * model.steps + row
         _turn(model, state, step, torque * model.passed, speed / model.turns, silent)
+        if keeps:
+            keep_returned(model.line, state.waves, state.junctions, step, state.returned)
     _note_rest(state, model)
     state.innovation[0] = math.nan
     if not silent and state.missing[SPEED, place] == 0:
         state.innovation[0] = _tamed(model, state, inputs[SPEED, place] / model.turns - state.junctions[0])
         _correct(model, state, state.innovation[0])
+        if keeps:
+            _correct_waves(model, state, model.gains.returned, state.returned, state.innovation[0])
 
 
 @compiled
@@ -121,7 +123,7 @@ def _turn(model: Model, state: State, step: int, torque: float, speed: float, si
     state.told[TOLD_BIT_SPEED, now] = state.ahead[0, 0]
     state.told[TOLD_BIT_TORQUE, now] = state.ahead[1, 0]
     state.told[TOLD_TOP_SPEED, now] = w
-    state.told[TOLD_TOP_TORQUE, now] = g + z * w + _rubbing(line, 0, w)
+    state.told[TOLD_TOP_TORQUE, now] = g + z * w + rubbing(line, 0, w)
 
 
 @compiled
@@ -157,10 +159,7 @@ def _correct(model: Model, state: State, innovation: float) -> None:
         state.junctions[bit] += gains.state[level, BIT_SPEED] * innovation
         state.balances[BIT] += gains.state[level, BIT_BALANCE] * innovation
     state.rock[0] += gains.state[level, ROCK] * innovation
-    for i in range(state.waves.shape[0]):
-        # What lies further back than the round trip has left the section.
-        for ago in range(min(gains.waves.shape[2], model.line.round_trip[i])):
-            state.waves[i, (last - ago) & mask] += gains.waves[level, i, ago] * innovation
+    _correct_waves(model, state, gains.waves, state.waves, innovation)
     for ago in range(gains.told.shape[2]):
         at = (last - ago) & mask
         if state.told[TOLD_BIT_SPEED, at] != 0:
@@ -168,3 +167,14 @@ def _correct(model: Model, state: State, innovation: float) -> None:
             state.told[TOLD_BIT_TORQUE, at] += gains.told[level, TOLD_BIT_TORQUE, ago] * innovation
         state.told[TOLD_TOP_SPEED, at] += gains.told[level, TOLD_TOP_SPEED, ago] * innovation
         state.told[TOLD_TOP_TORQUE, at] += gains.told[level, TOLD_TOP_TORQUE, ago] * innovation
+
+
+@compiled
+def _correct_waves(
+    model: Model, state: State, of_innovation: Floats, waves: Floats, innovation: float
+) -> None:
+    mask = waves.shape[1] - 1
+    last = state.ticks[0] * model.steps + model.steps - 1
+    for i in range(waves.shape[0]):
+        for ago in range(of_innovation.shape[2]):
+            waves[i, (last - ago) & mask] += of_innovation[state.level[0], i, ago] * innovation

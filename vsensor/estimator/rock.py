@@ -26,7 +26,9 @@ def weigh_rock(model: Model, state: State, speed: float, torque: float) -> None:
         return
     left = torque - law(load_in_force(state.learned, model.bit_rate), speed)
     gains = model.gains
-    square = min(left * left, WILD * WILD * state.rock_square[0]) + gains.variance[state.level[0], TOLD_BIT_TORQUE]
+    square = (
+        min(left * left, WILD * WILD * state.rock_square[0]) + gains.variance[state.level[0], TOLD_BIT_TORQUE]
+    )
     state.rock_square[0] += (square - state.rock_square[0]) / (MEMORY_S * model.rate)
     nearest = 0
     for level in range(gains.levels.shape[0]):

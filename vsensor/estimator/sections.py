@@ -41,6 +41,7 @@ class Line(NamedTuple):
 
 
 class _Part(NamedTuple):
+    length: float
     impedance: float
     delay: float
     viscous: float
@@ -66,9 +67,7 @@ def cut(
     Distributed friction is lumped by the trapezoid rule: half of each section's at either end.
     Depths, not lengths, are rounded to the grid, so that the error never adds up.
     """
-    pieces = [piece for part in string for piece in _pieces(part, section_length, wellbore)]
-    friction = wall_friction(pieces, survey, wellbore)
-    parts = _merged([_part(*rubs) for rubs in zip(pieces, *friction, strict=True)], step_s)
+    parts = _parts(string, step_s, section_length, survey, wellbore)
     depth = np.cumsum([0.0, *(part.delay for part in parts)]) / step_s
     return Line(
         impedance=np.array([part.impedance for part in parts]),
@@ -93,6 +92,30 @@ def _round_trips(depth: Floats) -> Integers:
     return np.asarray(2 * np.diff(on_grid))
 
 
+def junction_depths(
+    string: Sequence[Component],
+    step_s: float,
+    section_length: float,
+    survey: Sequence[Station] = (),
+    wellbore: Wellbore | None = None,
+) -> Floats:
+    """Where a string so cut has its junctions, m along it from the top, shape (M + 1,)."""
+    parts = _parts(string, step_s, section_length, survey, wellbore)
+    return np.cumsum([0.0, *(part.length for part in parts)])
+
+
+def _parts(
+    string: Sequence[Component],
+    step_s: float,
+    section_length: float,
+    survey: Sequence[Station],
+    wellbore: Wellbore | None,
+) -> list[_Part]:
+    pieces = [piece for part in string for piece in _pieces(part, section_length, wellbore)]
+    friction = wall_friction(pieces, survey, wellbore)
+    return _merged([_part(*rubs) for rubs in zip(pieces, *friction, strict=True)], step_s)
+
+
 def _pieces(part: Component, section_length: float, wellbore: Wellbore | None) -> list[Component]:
     rubs = part.viscous_friction or part.static_friction or (wellbore and wellbore.static_friction_factor)
     count = math.ceil(part.length / section_length) if rubs else 1
@@ -101,6 +124,7 @@ def _pieces(part: Component, section_length: float, wellbore: Wellbore | None) -
 
 def _part(piece: Component, kinetic: float, static: float) -> _Part:
     return _Part(
+        piece.length,
         component.impedance(piece),
         component.delay(piece),
         piece.viscous_friction * piece.length,
@@ -123,6 +147,7 @@ def _lump(a: _Part, b: _Part) -> _Part:
     inertia = a.impedance * a.delay + b.impedance * b.delay
     compliance = a.delay / a.impedance + b.delay / b.impedance
     return _Part(
+        a.length + b.length,
         math.sqrt(inertia / compliance),
         math.sqrt(inertia * compliance),
         a.viscous + b.viscous,

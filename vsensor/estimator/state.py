@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vsensor.config import Bit, Tuning as Settings
+from vsensor.config import Bit
+from vsensor.config import Tuning as Settings
 from vsensor.estimator.gains import Gains
 from vsensor.estimator.learn import Learned, fresh_law
 from vsensor.estimator.score import Scores, fresh_scores
@@ -55,7 +56,7 @@ class Model(NamedTuple):
     lag: int
     """Ticks for which later samples correct an answer before it is confirmed."""
     now: int
-    """From the newest step of the model string to the present of the bit: its delay and the line's, one way."""
+    """From the newest step of the model string to the present of the bit: the line's delay, and its own."""
     forecast: int
     """From there to the end of the forecast: at the most, the line's round trip."""
     span: int
@@ -75,6 +76,8 @@ class State(NamedTuple):
     """and whether each was missing, 0 or 1, same shape."""
     waves: Floats
     """The wave f at the top of each section by internal step, shape (M, size), size a power of two."""
+    returned: Floats
+    """The wave g there, laid out alike, up to the last confirmed step."""
     junctions: Floats
     """Speed of each junction at the newest step, 0 for one at rest, shape (M + 1,)."""
     balances: Floats
@@ -83,6 +86,8 @@ class State(NamedTuple):
     """What the rock asks beyond the load law, N·m, shape (1,)."""
     told: Floats
     """Answers by internal step: bit speed and torque, top speed and torque; a ring, shape (4, size)."""
+    off_bottom: Integers
+    """Ticks for which the bit has been off bottom, or if negative, on it, shape (1,)."""
     held: Floats
     """Friction that resting parts of the wall may have held at each tick, N·m, a ring."""
     innovation: Floats
@@ -123,9 +128,9 @@ class Shadows(NamedTuple):
 def fresh(model: Model, bit: Bit, settings: Settings) -> State:
     """The state before the first tick."""
     sections = len(model.line.impedance)
-    # Tuning may lengthen the line by a few hundredths.
-    longest = int(1.1 * model.line.round_trip.max()) + 2
-    back = max(model.lag * model.steps, longest)
+    # Seen at one moment, the string's top is a travel time behind the last confirmed step, and waves
+    # are looked up as far from there as the longest section reaches. Tuning may lengthen all that a little.
+    back = model.lag * model.steps + int(1.1 * model.line.round_trip.sum())
     ahead = int(1.1 * model.forecast) + model.steps
     size = 1 << int(ahead + back + model.steps).bit_length()
     level = len(model.gains.levels) // 2
@@ -133,10 +138,12 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
         inputs=np.zeros((2, model.behind + 2)),
         missing=np.zeros((2, model.behind + 2), np.int64),
         waves=np.zeros((sections, size)),
+        returned=np.zeros((sections, size)),
         junctions=np.zeros(sections + 1),
         balances=np.zeros(2),
         rock=np.zeros(1),
         told=np.zeros((4, size)),
+        off_bottom=np.zeros(1, np.int64),
         held=np.zeros(model.lag + 1),
         innovation=np.full(1, np.nan),
         surprise=np.ones(1),

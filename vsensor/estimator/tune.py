@@ -31,9 +31,9 @@ SURELY = 2.0
 MEMORY_S = 300.0
 """Time over which the record is forgotten."""
 WORTH = 0.05
-"""The model is not the string: what innovations tell of a parameter counts for a twentieth of what it would."""
+"""The model is not the string: what innovations tell of a parameter counts for a twentieth."""
 SETTLED_S = 30.0
-"""Not before the load law has been learned for so long: until then its errors would be laid to the string."""
+"""Not before the load law was learned for so long: its errors would be laid to the string."""
 APART_S = 1.0
 """Bit torques so far apart tell independently of friction."""
 
@@ -111,7 +111,7 @@ def tuned(line: Line, value: Floats) -> Line:
 
 @compiled
 def weigh_tare(tuning: Tuning, wall: float, torque: float, doubt: float, rate: float) -> None:
-    """Learn from a bit torque that is truly zero, known with the variance `doubt`, while the wall takes `wall`."""
+    """Learn from a bit torque that is truly zero, known with the variance `doubt`; the wall takes `wall`."""
     weight = 1.0 / (APART_S * rate * doubt)
     tuning.tare[0] += weight * wall * wall
     tuning.tare[1] += weight * wall * torque

@@ -8,6 +8,7 @@ from vsensor.messages.topics import (
     SENSOR_EVENT,
     SENSOR_STATUS,
     SENSOR_TICK,
+    STRING_PROFILE,
     SURFACE,
     SURFACE_SPEED,
     SURFACE_TOPICS,
@@ -15,7 +16,7 @@ from vsensor.messages.topics import (
     Message,
     message_type,
 )
-from vsensor.messages.vsensor_pb2 import ChannelStatus, Estimate, Event, Sample, Status, Tick
+from vsensor.messages.vsensor_pb2 import ChannelStatus, Estimate, Event, Profile, Sample, Status, Tick
 
 __all__ = [
     "BIT_ESTIMATE",
@@ -25,6 +26,7 @@ __all__ = [
     "SENSOR_EVENT",
     "SENSOR_STATUS",
     "SENSOR_TICK",
+    "STRING_PROFILE",
     "SURFACE",
     "SURFACE_SPEED",
     "SURFACE_TOPICS",
@@ -33,6 +35,7 @@ __all__ = [
     "Estimate",
     "Event",
     "Message",
+    "Profile",
     "Sample",
     "Status",
     "Tick",

@@ -1,8 +1,8 @@
 """The keys below a rig's prefix, and the message that each carries."""
 
-from vsensor.messages.vsensor_pb2 import Estimate, Event, Sample, Status, Tick
+from vsensor.messages.vsensor_pb2 import Estimate, Event, Profile, Sample, Status, Tick
 
-Message = Sample | Tick | Estimate | Status | Event
+Message = Sample | Tick | Estimate | Profile | Status | Event
 
 SURFACE = "surface/*"
 SURFACE_TORQUE = "surface/torque"
@@ -12,6 +12,7 @@ SURFACE_HOLE_DEPTH = "surface/hole_depth"  # optional, m
 BIT_TORQUE = "bit/torque"
 BIT_SPEED = "bit/speed"
 BIT_ESTIMATE = "bit/estimate"
+STRING_PROFILE = "string/profile"
 SENSOR_TICK = "sensor/tick"
 SENSOR_STATUS = "sensor/status"
 SENSOR_EVENT = "sensor/event"
@@ -26,6 +27,7 @@ _TYPES: dict[str, type[Message]] = {
     BIT_TORQUE: Sample,
     BIT_SPEED: Sample,
     BIT_ESTIMATE: Estimate,
+    STRING_PROFILE: Profile,
     SENSOR_TICK: Tick,
     SENSOR_STATUS: Status,
     SENSOR_EVENT: Event,

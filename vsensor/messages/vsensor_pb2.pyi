@@ -328,6 +328,150 @@ class Estimate(_message.Message):
 Global___Estimate: _TypeAlias = Estimate  # noqa: Y015
 
 @_typing.final
+class Profile(_message.Message):
+    """The string at one moment, that of the confirmed answer: n stations, top down, twice where two components
+    meet. Arrays of n; NaN for the limit and the margin of a component whose strength is not configured.
+    """
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    NUMBER_FIELD_NUMBER: _builtins.int
+    TIME_NS_FIELD_NUMBER: _builtins.int
+    QUALITY_FIELD_NUMBER: _builtins.int
+    REASONS_FIELD_NUMBER: _builtins.int
+    DEPTH_M_FIELD_NUMBER: _builtins.int
+    SPEED_RAD_S_FIELD_NUMBER: _builtins.int
+    SPEED_STD_RAD_S_FIELD_NUMBER: _builtins.int
+    TORQUE_NM_FIELD_NUMBER: _builtins.int
+    TORQUE_STD_NM_FIELD_NUMBER: _builtins.int
+    SHEAR_STRESS_PA_FIELD_NUMBER: _builtins.int
+    SHEAR_STRESS_STD_PA_FIELD_NUMBER: _builtins.int
+    TORQUE_LIMIT_NM_FIELD_NUMBER: _builtins.int
+    MARGIN_FIELD_NUMBER: _builtins.int
+    WEAKEST_COMPONENT_FIELD_NUMBER: _builtins.int
+    WEAKEST_DEPTH_M_FIELD_NUMBER: _builtins.int
+    WEAKEST_TORQUE_NM_FIELD_NUMBER: _builtins.int
+    WEAKEST_TORQUE_STD_NM_FIELD_NUMBER: _builtins.int
+    WEAKEST_LIMIT_NM_FIELD_NUMBER: _builtins.int
+    WEAKEST_LIMITED_BY_FIELD_NUMBER: _builtins.int
+    WEAKEST_MARGIN_FIELD_NUMBER: _builtins.int
+    number: _builtins.int
+    """the tick's"""
+    time_ns: _builtins.int
+    """the confirmed time, one for all depths; source clock"""
+    quality: Global___Quality.ValueType
+    reasons: _builtins.int
+    weakest_component: _builtins.str
+    """where the margin is least; absent where no limit is configured"""
+    weakest_depth_m: _builtins.float
+    weakest_torque_nm: _builtins.float
+    weakest_torque_std_nm: _builtins.float
+    weakest_limit_nm: _builtins.float
+    weakest_limited_by: _builtins.str
+    """make-up torque, torsional strength, …"""
+    weakest_margin: _builtins.float
+    @_builtins.property
+    def depth_m(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
+        """along the string, from its top"""
+
+    @_builtins.property
+    def speed_rad_s(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]: ...
+    @_builtins.property
+    def speed_std_rad_s(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]: ...
+    @_builtins.property
+    def torque_nm(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]: ...
+    @_builtins.property
+    def torque_std_nm(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]: ...
+    @_builtins.property
+    def shear_stress_pa(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
+        """torque · ro/J, at the outer surface"""
+
+    @_builtins.property
+    def shear_stress_std_pa(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]: ...
+    @_builtins.property
+    def torque_limit_nm(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
+        """the least of what the component bears there"""
+
+    @_builtins.property
+    def margin(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
+        """1 − |torque| / limit: 0 at the limit, negative beyond it"""
+
+    def __init__(
+        self,
+        *,
+        number: _builtins.int | None = ...,
+        time_ns: _builtins.int | None = ...,
+        quality: Global___Quality.ValueType | None = ...,
+        reasons: _builtins.int | None = ...,
+        depth_m: _abc.Iterable[_builtins.float] | None = ...,
+        speed_rad_s: _abc.Iterable[_builtins.float] | None = ...,
+        speed_std_rad_s: _abc.Iterable[_builtins.float] | None = ...,
+        torque_nm: _abc.Iterable[_builtins.float] | None = ...,
+        torque_std_nm: _abc.Iterable[_builtins.float] | None = ...,
+        shear_stress_pa: _abc.Iterable[_builtins.float] | None = ...,
+        shear_stress_std_pa: _abc.Iterable[_builtins.float] | None = ...,
+        torque_limit_nm: _abc.Iterable[_builtins.float] | None = ...,
+        margin: _abc.Iterable[_builtins.float] | None = ...,
+        weakest_component: _builtins.str | None = ...,
+        weakest_depth_m: _builtins.float | None = ...,
+        weakest_torque_nm: _builtins.float | None = ...,
+        weakest_torque_std_nm: _builtins.float | None = ...,
+        weakest_limit_nm: _builtins.float | None = ...,
+        weakest_limited_by: _builtins.str | None = ...,
+        weakest_margin: _builtins.float | None = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_number", b"_number", "_quality", b"_quality", "_reasons", b"_reasons", "_time_ns", b"_time_ns", "_weakest_component", b"_weakest_component", "_weakest_depth_m", b"_weakest_depth_m", "_weakest_limit_nm", b"_weakest_limit_nm", "_weakest_limited_by", b"_weakest_limited_by", "_weakest_margin", b"_weakest_margin", "_weakest_torque_nm", b"_weakest_torque_nm", "_weakest_torque_std_nm", b"_weakest_torque_std_nm", "number", b"number", "quality", b"quality", "reasons", b"reasons", "time_ns", b"time_ns", "weakest_component", b"weakest_component", "weakest_depth_m", b"weakest_depth_m", "weakest_limit_nm", b"weakest_limit_nm", "weakest_limited_by", b"weakest_limited_by", "weakest_margin", b"weakest_margin", "weakest_torque_nm", b"weakest_torque_nm", "weakest_torque_std_nm", b"weakest_torque_std_nm"]  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_number", b"_number", "_quality", b"_quality", "_reasons", b"_reasons", "_time_ns", b"_time_ns", "_weakest_component", b"_weakest_component", "_weakest_depth_m", b"_weakest_depth_m", "_weakest_limit_nm", b"_weakest_limit_nm", "_weakest_limited_by", b"_weakest_limited_by", "_weakest_margin", b"_weakest_margin", "_weakest_torque_nm", b"_weakest_torque_nm", "_weakest_torque_std_nm", b"_weakest_torque_std_nm", "depth_m", b"depth_m", "margin", b"margin", "number", b"number", "quality", b"quality", "reasons", b"reasons", "shear_stress_pa", b"shear_stress_pa", "shear_stress_std_pa", b"shear_stress_std_pa", "speed_rad_s", b"speed_rad_s", "speed_std_rad_s", b"speed_std_rad_s", "time_ns", b"time_ns", "torque_limit_nm", b"torque_limit_nm", "torque_nm", b"torque_nm", "torque_std_nm", b"torque_std_nm", "weakest_component", b"weakest_component", "weakest_depth_m", b"weakest_depth_m", "weakest_limit_nm", b"weakest_limit_nm", "weakest_limited_by", b"weakest_limited_by", "weakest_margin", b"weakest_margin", "weakest_torque_nm", b"weakest_torque_nm", "weakest_torque_std_nm", b"weakest_torque_std_nm"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    _WhichOneofReturnType__number: _TypeAlias = _typing.Literal["number"]  # noqa: Y015
+    _WhichOneofArgType__number: _TypeAlias = _typing.Literal["_number", b"_number"]  # noqa: Y015
+    _WhichOneofReturnType__quality: _TypeAlias = _typing.Literal["quality"]  # noqa: Y015
+    _WhichOneofArgType__quality: _TypeAlias = _typing.Literal["_quality", b"_quality"]  # noqa: Y015
+    _WhichOneofReturnType__reasons: _TypeAlias = _typing.Literal["reasons"]  # noqa: Y015
+    _WhichOneofArgType__reasons: _TypeAlias = _typing.Literal["_reasons", b"_reasons"]  # noqa: Y015
+    _WhichOneofReturnType__time_ns: _TypeAlias = _typing.Literal["time_ns"]  # noqa: Y015
+    _WhichOneofArgType__time_ns: _TypeAlias = _typing.Literal["_time_ns", b"_time_ns"]  # noqa: Y015
+    _WhichOneofReturnType__weakest_component: _TypeAlias = _typing.Literal["weakest_component"]  # noqa: Y015
+    _WhichOneofArgType__weakest_component: _TypeAlias = _typing.Literal["_weakest_component", b"_weakest_component"]  # noqa: Y015
+    _WhichOneofReturnType__weakest_depth_m: _TypeAlias = _typing.Literal["weakest_depth_m"]  # noqa: Y015
+    _WhichOneofArgType__weakest_depth_m: _TypeAlias = _typing.Literal["_weakest_depth_m", b"_weakest_depth_m"]  # noqa: Y015
+    _WhichOneofReturnType__weakest_limit_nm: _TypeAlias = _typing.Literal["weakest_limit_nm"]  # noqa: Y015
+    _WhichOneofArgType__weakest_limit_nm: _TypeAlias = _typing.Literal["_weakest_limit_nm", b"_weakest_limit_nm"]  # noqa: Y015
+    _WhichOneofReturnType__weakest_limited_by: _TypeAlias = _typing.Literal["weakest_limited_by"]  # noqa: Y015
+    _WhichOneofArgType__weakest_limited_by: _TypeAlias = _typing.Literal["_weakest_limited_by", b"_weakest_limited_by"]  # noqa: Y015
+    _WhichOneofReturnType__weakest_margin: _TypeAlias = _typing.Literal["weakest_margin"]  # noqa: Y015
+    _WhichOneofArgType__weakest_margin: _TypeAlias = _typing.Literal["_weakest_margin", b"_weakest_margin"]  # noqa: Y015
+    _WhichOneofReturnType__weakest_torque_nm: _TypeAlias = _typing.Literal["weakest_torque_nm"]  # noqa: Y015
+    _WhichOneofArgType__weakest_torque_nm: _TypeAlias = _typing.Literal["_weakest_torque_nm", b"_weakest_torque_nm"]  # noqa: Y015
+    _WhichOneofReturnType__weakest_torque_std_nm: _TypeAlias = _typing.Literal["weakest_torque_std_nm"]  # noqa: Y015
+    _WhichOneofArgType__weakest_torque_std_nm: _TypeAlias = _typing.Literal["_weakest_torque_std_nm", b"_weakest_torque_std_nm"]  # noqa: Y015
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__number) -> _WhichOneofReturnType__number | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__quality) -> _WhichOneofReturnType__quality | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__reasons) -> _WhichOneofReturnType__reasons | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__time_ns) -> _WhichOneofReturnType__time_ns | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__weakest_component) -> _WhichOneofReturnType__weakest_component | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__weakest_depth_m) -> _WhichOneofReturnType__weakest_depth_m | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__weakest_limit_nm) -> _WhichOneofReturnType__weakest_limit_nm | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__weakest_limited_by) -> _WhichOneofReturnType__weakest_limited_by | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__weakest_margin) -> _WhichOneofReturnType__weakest_margin | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__weakest_torque_nm) -> _WhichOneofReturnType__weakest_torque_nm | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__weakest_torque_std_nm) -> _WhichOneofReturnType__weakest_torque_std_nm | None: ...
+
+Global___Profile: _TypeAlias = Profile  # noqa: Y015
+
+@_typing.final
 class ChannelStatus(_message.Message):
     """What came in on one channel, and what became of it."""
 
@@ -466,6 +610,13 @@ class Status(_message.Message):
     LAW_KINETIC_NM_FIELD_NUMBER: _builtins.int
     LAW_STATIC_NM_FIELD_NUMBER: _builtins.int
     LAW_STRIBECK_RAD_S_FIELD_NUMBER: _builtins.int
+    STICK_SLIP_PERIOD_S_FIELD_NUMBER: _builtins.int
+    STUCK_SHARE_FIELD_NUMBER: _builtins.int
+    BACK_ROTATION_SHARE_FIELD_NUMBER: _builtins.int
+    BACK_ROTATION_TURNS_FIELD_NUMBER: _builtins.int
+    TOP_POWER_W_FIELD_NUMBER: _builtins.int
+    BIT_POWER_W_FIELD_NUMBER: _builtins.int
+    LOST_POWER_W_FIELD_NUMBER: _builtins.int
     time_ns: _builtins.int
     """our clock"""
     rig: _builtins.str
@@ -500,6 +651,22 @@ class Status(_message.Message):
     law_kinetic_nm: _builtins.float
     law_static_nm: _builtins.float
     law_stribeck_rad_s: _builtins.float
+    stick_slip_period_s: _builtins.float
+    """Over severity_window_s, confirmed, top and bit at one and the same time:
+    of stick-slip, or of another swing; absent where there is none
+    """
+    stuck_share: _builtins.float
+    """of the time: bit below 0.5 rad/s while the top turns at 1 or more"""
+    back_rotation_share: _builtins.float
+    """of the time: bit faster than 0.5 rad/s against the top's direction"""
+    back_rotation_turns: _builtins.float
+    """revolutions turned back in that time"""
+    top_power_w: _builtins.float
+    """mean of torque · speed at the string's top"""
+    bit_power_w: _builtins.float
+    """mean of torque · speed of the bit"""
+    lost_power_w: _builtins.float
+    """top less bit: lost along the string, and stored in it meanwhile"""
     @_builtins.property
     def channels(self) -> _containers.RepeatedCompositeFieldContainer[Global___ChannelStatus]: ...
     def __init__(
@@ -533,11 +700,24 @@ class Status(_message.Message):
         law_kinetic_nm: _builtins.float | None = ...,
         law_static_nm: _builtins.float | None = ...,
         law_stribeck_rad_s: _builtins.float | None = ...,
+        stick_slip_period_s: _builtins.float | None = ...,
+        stuck_share: _builtins.float | None = ...,
+        back_rotation_share: _builtins.float | None = ...,
+        back_rotation_turns: _builtins.float | None = ...,
+        top_power_w: _builtins.float | None = ...,
+        bit_power_w: _builtins.float | None = ...,
+        lost_power_w: _builtins.float | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_confirmed_delay_s", b"_confirmed_delay_s", "_forecast_horizon_s", b"_forecast_horizon_s", "_lateness_p50_s", b"_lateness_p50_s", "_lateness_p99_s", b"_lateness_p99_s", "_law_kinetic_nm", b"_law_kinetic_nm", "_law_static_nm", b"_law_static_nm", "_law_stribeck_rad_s", b"_law_stribeck_rad_s", "_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad", "_published", b"_published", "_rate_hz", b"_rate_hz", "_recorded", b"_recorded", "_recorder_dropped", b"_recorder_dropped", "_recording", b"_recording", "_restarts", b"_restarts", "_rig", b"_rig", "_severity", b"_severity", "_severity_window_s", b"_severity_window_s", "_slots_due", b"_slots_due", "_slots_run", b"_slots_run", "_slots_skipped", b"_slots_skipped", "_state", b"_state", "_ticks", b"_ticks", "_time_ns", b"_time_ns", "_uptime_s", b"_uptime_s", "_version", b"_version", "_work_p50_s", b"_work_p50_s", "_work_p99_s", b"_work_p99_s", "confirmed_delay_s", b"confirmed_delay_s", "forecast_horizon_s", b"forecast_horizon_s", "lateness_p50_s", b"lateness_p50_s", "lateness_p99_s", b"lateness_p99_s", "law_kinetic_nm", b"law_kinetic_nm", "law_static_nm", b"law_static_nm", "law_stribeck_rad_s", b"law_stribeck_rad_s", "law_viscous_nm_s_rad", b"law_viscous_nm_s_rad", "published", b"published", "rate_hz", b"rate_hz", "recorded", b"recorded", "recorder_dropped", b"recorder_dropped", "recording", b"recording", "restarts", b"restarts", "rig", b"rig", "severity", b"severity", "severity_window_s", b"severity_window_s", "slots_due", b"slots_due", "slots_run", b"slots_run", "slots_skipped", b"slots_skipped", "state", b"state", "ticks", b"ticks", "time_ns", b"time_ns", "uptime_s", b"uptime_s", "version", b"version", "work_p50_s", b"work_p50_s", "work_p99_s", b"work_p99_s"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_back_rotation_share", b"_back_rotation_share", "_back_rotation_turns", b"_back_rotation_turns", "_bit_power_w", b"_bit_power_w", "_confirmed_delay_s", b"_confirmed_delay_s", "_forecast_horizon_s", b"_forecast_horizon_s", "_lateness_p50_s", b"_lateness_p50_s", "_lateness_p99_s", b"_lateness_p99_s", "_law_kinetic_nm", b"_law_kinetic_nm", "_law_static_nm", b"_law_static_nm", "_law_stribeck_rad_s", b"_law_stribeck_rad_s", "_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad", "_lost_power_w", b"_lost_power_w", "_published", b"_published", "_rate_hz", b"_rate_hz", "_recorded", b"_recorded", "_recorder_dropped", b"_recorder_dropped", "_recording", b"_recording", "_restarts", b"_restarts", "_rig", b"_rig", "_severity", b"_severity", "_severity_window_s", b"_severity_window_s", "_slots_due", b"_slots_due", "_slots_run", b"_slots_run", "_slots_skipped", b"_slots_skipped", "_state", b"_state", "_stick_slip_period_s", b"_stick_slip_period_s", "_stuck_share", b"_stuck_share", "_ticks", b"_ticks", "_time_ns", b"_time_ns", "_top_power_w", b"_top_power_w", "_uptime_s", b"_uptime_s", "_version", b"_version", "_work_p50_s", b"_work_p50_s", "_work_p99_s", b"_work_p99_s", "back_rotation_share", b"back_rotation_share", "back_rotation_turns", b"back_rotation_turns", "bit_power_w", b"bit_power_w", "confirmed_delay_s", b"confirmed_delay_s", "forecast_horizon_s", b"forecast_horizon_s", "lateness_p50_s", b"lateness_p50_s", "lateness_p99_s", b"lateness_p99_s", "law_kinetic_nm", b"law_kinetic_nm", "law_static_nm", b"law_static_nm", "law_stribeck_rad_s", b"law_stribeck_rad_s", "law_viscous_nm_s_rad", b"law_viscous_nm_s_rad", "lost_power_w", b"lost_power_w", "published", b"published", "rate_hz", b"rate_hz", "recorded", b"recorded", "recorder_dropped", b"recorder_dropped", "recording", b"recording", "restarts", b"restarts", "rig", b"rig", "severity", b"severity", "severity_window_s", b"severity_window_s", "slots_due", b"slots_due", "slots_run", b"slots_run", "slots_skipped", b"slots_skipped", "state", b"state", "stick_slip_period_s", b"stick_slip_period_s", "stuck_share", b"stuck_share", "ticks", b"ticks", "time_ns", b"time_ns", "top_power_w", b"top_power_w", "uptime_s", b"uptime_s", "version", b"version", "work_p50_s", b"work_p50_s", "work_p99_s", b"work_p99_s"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_confirmed_delay_s", b"_confirmed_delay_s", "_forecast_horizon_s", b"_forecast_horizon_s", "_lateness_p50_s", b"_lateness_p50_s", "_lateness_p99_s", b"_lateness_p99_s", "_law_kinetic_nm", b"_law_kinetic_nm", "_law_static_nm", b"_law_static_nm", "_law_stribeck_rad_s", b"_law_stribeck_rad_s", "_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad", "_published", b"_published", "_rate_hz", b"_rate_hz", "_recorded", b"_recorded", "_recorder_dropped", b"_recorder_dropped", "_recording", b"_recording", "_restarts", b"_restarts", "_rig", b"_rig", "_severity", b"_severity", "_severity_window_s", b"_severity_window_s", "_slots_due", b"_slots_due", "_slots_run", b"_slots_run", "_slots_skipped", b"_slots_skipped", "_state", b"_state", "_ticks", b"_ticks", "_time_ns", b"_time_ns", "_uptime_s", b"_uptime_s", "_version", b"_version", "_work_p50_s", b"_work_p50_s", "_work_p99_s", b"_work_p99_s", "channels", b"channels", "confirmed_delay_s", b"confirmed_delay_s", "forecast_horizon_s", b"forecast_horizon_s", "lateness_p50_s", b"lateness_p50_s", "lateness_p99_s", b"lateness_p99_s", "law_kinetic_nm", b"law_kinetic_nm", "law_static_nm", b"law_static_nm", "law_stribeck_rad_s", b"law_stribeck_rad_s", "law_viscous_nm_s_rad", b"law_viscous_nm_s_rad", "published", b"published", "rate_hz", b"rate_hz", "recorded", b"recorded", "recorder_dropped", b"recorder_dropped", "recording", b"recording", "restarts", b"restarts", "rig", b"rig", "severity", b"severity", "severity_window_s", b"severity_window_s", "slots_due", b"slots_due", "slots_run", b"slots_run", "slots_skipped", b"slots_skipped", "state", b"state", "ticks", b"ticks", "time_ns", b"time_ns", "uptime_s", b"uptime_s", "version", b"version", "work_p50_s", b"work_p50_s", "work_p99_s", b"work_p99_s"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_back_rotation_share", b"_back_rotation_share", "_back_rotation_turns", b"_back_rotation_turns", "_bit_power_w", b"_bit_power_w", "_confirmed_delay_s", b"_confirmed_delay_s", "_forecast_horizon_s", b"_forecast_horizon_s", "_lateness_p50_s", b"_lateness_p50_s", "_lateness_p99_s", b"_lateness_p99_s", "_law_kinetic_nm", b"_law_kinetic_nm", "_law_static_nm", b"_law_static_nm", "_law_stribeck_rad_s", b"_law_stribeck_rad_s", "_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad", "_lost_power_w", b"_lost_power_w", "_published", b"_published", "_rate_hz", b"_rate_hz", "_recorded", b"_recorded", "_recorder_dropped", b"_recorder_dropped", "_recording", b"_recording", "_restarts", b"_restarts", "_rig", b"_rig", "_severity", b"_severity", "_severity_window_s", b"_severity_window_s", "_slots_due", b"_slots_due", "_slots_run", b"_slots_run", "_slots_skipped", b"_slots_skipped", "_state", b"_state", "_stick_slip_period_s", b"_stick_slip_period_s", "_stuck_share", b"_stuck_share", "_ticks", b"_ticks", "_time_ns", b"_time_ns", "_top_power_w", b"_top_power_w", "_uptime_s", b"_uptime_s", "_version", b"_version", "_work_p50_s", b"_work_p50_s", "_work_p99_s", b"_work_p99_s", "back_rotation_share", b"back_rotation_share", "back_rotation_turns", b"back_rotation_turns", "bit_power_w", b"bit_power_w", "channels", b"channels", "confirmed_delay_s", b"confirmed_delay_s", "forecast_horizon_s", b"forecast_horizon_s", "lateness_p50_s", b"lateness_p50_s", "lateness_p99_s", b"lateness_p99_s", "law_kinetic_nm", b"law_kinetic_nm", "law_static_nm", b"law_static_nm", "law_stribeck_rad_s", b"law_stribeck_rad_s", "law_viscous_nm_s_rad", b"law_viscous_nm_s_rad", "lost_power_w", b"lost_power_w", "published", b"published", "rate_hz", b"rate_hz", "recorded", b"recorded", "recorder_dropped", b"recorder_dropped", "recording", b"recording", "restarts", b"restarts", "rig", b"rig", "severity", b"severity", "severity_window_s", b"severity_window_s", "slots_due", b"slots_due", "slots_run", b"slots_run", "slots_skipped", b"slots_skipped", "state", b"state", "stick_slip_period_s", b"stick_slip_period_s", "stuck_share", b"stuck_share", "ticks", b"ticks", "time_ns", b"time_ns", "top_power_w", b"top_power_w", "uptime_s", b"uptime_s", "version", b"version", "work_p50_s", b"work_p50_s", "work_p99_s", b"work_p99_s"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    _WhichOneofReturnType__back_rotation_share: _TypeAlias = _typing.Literal["back_rotation_share"]  # noqa: Y015
+    _WhichOneofArgType__back_rotation_share: _TypeAlias = _typing.Literal["_back_rotation_share", b"_back_rotation_share"]  # noqa: Y015
+    _WhichOneofReturnType__back_rotation_turns: _TypeAlias = _typing.Literal["back_rotation_turns"]  # noqa: Y015
+    _WhichOneofArgType__back_rotation_turns: _TypeAlias = _typing.Literal["_back_rotation_turns", b"_back_rotation_turns"]  # noqa: Y015
+    _WhichOneofReturnType__bit_power_w: _TypeAlias = _typing.Literal["bit_power_w"]  # noqa: Y015
+    _WhichOneofArgType__bit_power_w: _TypeAlias = _typing.Literal["_bit_power_w", b"_bit_power_w"]  # noqa: Y015
     _WhichOneofReturnType__confirmed_delay_s: _TypeAlias = _typing.Literal["confirmed_delay_s"]  # noqa: Y015
     _WhichOneofArgType__confirmed_delay_s: _TypeAlias = _typing.Literal["_confirmed_delay_s", b"_confirmed_delay_s"]  # noqa: Y015
     _WhichOneofReturnType__forecast_horizon_s: _TypeAlias = _typing.Literal["forecast_horizon_s"]  # noqa: Y015
@@ -554,6 +734,8 @@ class Status(_message.Message):
     _WhichOneofArgType__law_stribeck_rad_s: _TypeAlias = _typing.Literal["_law_stribeck_rad_s", b"_law_stribeck_rad_s"]  # noqa: Y015
     _WhichOneofReturnType__law_viscous_nm_s_rad: _TypeAlias = _typing.Literal["law_viscous_nm_s_rad"]  # noqa: Y015
     _WhichOneofArgType__law_viscous_nm_s_rad: _TypeAlias = _typing.Literal["_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad"]  # noqa: Y015
+    _WhichOneofReturnType__lost_power_w: _TypeAlias = _typing.Literal["lost_power_w"]  # noqa: Y015
+    _WhichOneofArgType__lost_power_w: _TypeAlias = _typing.Literal["_lost_power_w", b"_lost_power_w"]  # noqa: Y015
     _WhichOneofReturnType__published: _TypeAlias = _typing.Literal["published"]  # noqa: Y015
     _WhichOneofArgType__published: _TypeAlias = _typing.Literal["_published", b"_published"]  # noqa: Y015
     _WhichOneofReturnType__rate_hz: _TypeAlias = _typing.Literal["rate_hz"]  # noqa: Y015
@@ -580,10 +762,16 @@ class Status(_message.Message):
     _WhichOneofArgType__slots_skipped: _TypeAlias = _typing.Literal["_slots_skipped", b"_slots_skipped"]  # noqa: Y015
     _WhichOneofReturnType__state: _TypeAlias = _typing.Literal["state"]  # noqa: Y015
     _WhichOneofArgType__state: _TypeAlias = _typing.Literal["_state", b"_state"]  # noqa: Y015
+    _WhichOneofReturnType__stick_slip_period_s: _TypeAlias = _typing.Literal["stick_slip_period_s"]  # noqa: Y015
+    _WhichOneofArgType__stick_slip_period_s: _TypeAlias = _typing.Literal["_stick_slip_period_s", b"_stick_slip_period_s"]  # noqa: Y015
+    _WhichOneofReturnType__stuck_share: _TypeAlias = _typing.Literal["stuck_share"]  # noqa: Y015
+    _WhichOneofArgType__stuck_share: _TypeAlias = _typing.Literal["_stuck_share", b"_stuck_share"]  # noqa: Y015
     _WhichOneofReturnType__ticks: _TypeAlias = _typing.Literal["ticks"]  # noqa: Y015
     _WhichOneofArgType__ticks: _TypeAlias = _typing.Literal["_ticks", b"_ticks"]  # noqa: Y015
     _WhichOneofReturnType__time_ns: _TypeAlias = _typing.Literal["time_ns"]  # noqa: Y015
     _WhichOneofArgType__time_ns: _TypeAlias = _typing.Literal["_time_ns", b"_time_ns"]  # noqa: Y015
+    _WhichOneofReturnType__top_power_w: _TypeAlias = _typing.Literal["top_power_w"]  # noqa: Y015
+    _WhichOneofArgType__top_power_w: _TypeAlias = _typing.Literal["_top_power_w", b"_top_power_w"]  # noqa: Y015
     _WhichOneofReturnType__uptime_s: _TypeAlias = _typing.Literal["uptime_s"]  # noqa: Y015
     _WhichOneofArgType__uptime_s: _TypeAlias = _typing.Literal["_uptime_s", b"_uptime_s"]  # noqa: Y015
     _WhichOneofReturnType__version: _TypeAlias = _typing.Literal["version"]  # noqa: Y015
@@ -592,6 +780,12 @@ class Status(_message.Message):
     _WhichOneofArgType__work_p50_s: _TypeAlias = _typing.Literal["_work_p50_s", b"_work_p50_s"]  # noqa: Y015
     _WhichOneofReturnType__work_p99_s: _TypeAlias = _typing.Literal["work_p99_s"]  # noqa: Y015
     _WhichOneofArgType__work_p99_s: _TypeAlias = _typing.Literal["_work_p99_s", b"_work_p99_s"]  # noqa: Y015
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__back_rotation_share) -> _WhichOneofReturnType__back_rotation_share | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__back_rotation_turns) -> _WhichOneofReturnType__back_rotation_turns | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__bit_power_w) -> _WhichOneofReturnType__bit_power_w | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__confirmed_delay_s) -> _WhichOneofReturnType__confirmed_delay_s | None: ...
     @_typing.overload
@@ -608,6 +802,8 @@ class Status(_message.Message):
     def WhichOneof(self, oneof_group: _WhichOneofArgType__law_stribeck_rad_s) -> _WhichOneofReturnType__law_stribeck_rad_s | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__law_viscous_nm_s_rad) -> _WhichOneofReturnType__law_viscous_nm_s_rad | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__lost_power_w) -> _WhichOneofReturnType__lost_power_w | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__published) -> _WhichOneofReturnType__published | None: ...
     @_typing.overload
@@ -635,9 +831,15 @@ class Status(_message.Message):
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__state) -> _WhichOneofReturnType__state | None: ...
     @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__stick_slip_period_s) -> _WhichOneofReturnType__stick_slip_period_s | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__stuck_share) -> _WhichOneofReturnType__stuck_share | None: ...
+    @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__ticks) -> _WhichOneofReturnType__ticks | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__time_ns) -> _WhichOneofReturnType__time_ns | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__top_power_w) -> _WhichOneofReturnType__top_power_w | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__uptime_s) -> _WhichOneofReturnType__uptime_s | None: ...
     @_typing.overload

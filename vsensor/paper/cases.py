@@ -80,6 +80,7 @@ def neutral_delay(speed: float, until: float, steps: int, shaft: Shaft | None = 
         viscous=np.array([given.motor, 0.0]),
         kinetic=np.zeros(2),
         static=np.zeros(2),
+        depth=np.array([0.0, steps]),
     )
     bit = Bit(
         inertia=given.bit_inertia,

@@ -18,6 +18,7 @@ from vsensor.messages import (
     SENSOR_EVENT,
     SENSOR_STATUS,
     SENSOR_TICK,
+    STRING_PROFILE,
     SURFACE_TOPICS,
     Estimate,
     Event,
@@ -29,6 +30,7 @@ from vsensor.messages import (
 from vsensor.service.engine import Engine
 from vsensor.service.health import Health, Recorded
 from vsensor.service.pace import Pace, Slot
+from vsensor.service.profile import Profiler
 from vsensor.service.watch import Watch
 
 SWITCH_INTERVAL_S = 2e-4
@@ -55,6 +57,7 @@ class Daemon:
         self._inbox = SurfaceInbox(session, rig.prefix, SURFACE_TOPICS)
         self._outbox = Outbox(session, rig.prefix, reliable=False)
         self._watch = Watch(rig, engine.estimator.confirmed_delay)
+        self._profiler = Profiler(rig, engine.estimator)
         self.health = Health(rig, engine)
         self.status = self.health.status("starting", recorder)
         self._per_second = round(rig.loop.rate)
@@ -118,6 +121,10 @@ class Daemon:
             self._publish(BIT_TORQUE, _as_sensor(estimate, "now_bit_torque", "nm"), tick.time_ns)
         if event := self._watch.tick(tick, estimate):
             self._tell(event)
+        if profile := self._profiler.look(estimate):
+            self._publish(STRING_PROFILE, profile, profile.time_ns)
+            if event := self._watch.profile(profile):
+                self._tell(event)
         self.health.published += 1
 
     def _each_second(self) -> None:

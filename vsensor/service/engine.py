@@ -7,6 +7,7 @@ import numpy as np
 
 from vsensor.config import Rig
 from vsensor.estimator.estimator import Estimator
+from vsensor.estimator.figures import ROWS
 from vsensor.estimator.kernel import CONFIRMED, FORECAST, NOW, SPEED, SPEED_STD, TORQUE, TORQUE_STD
 from vsensor.estimator.sections import Floats
 from vsensor.intake import NS, Input, Intake
@@ -34,14 +35,20 @@ class Engine:
         self.estimator = Estimator(rig)
         self._delay_ns = round(self.estimator.confirmed_delay * NS)
         self._horizon_ns = round(self.estimator.forecast_horizon * NS)
-        self.recent = np.full(max(1, round(rig.estimator.severity_window * rig.loop.rate)), np.nan)
-        """Confirmed bit speed of the last ticks, in no order: the window of the severity."""
+        self.recent = np.full((ROWS, max(1, round(rig.estimator.severity_window * rig.loop.rate))), np.nan)
+        """The bit as confirmed in the last ticks, and the top at its time, in no order; rows: `figures`."""
+        self._newest = 0
         self._warm = False
 
     @property
     def warm(self) -> bool:
         """Whether the newest tick had an answer."""
         return self._warm
+
+    @property
+    def window(self) -> Floats:
+        """The same, oldest first."""
+        return np.roll(self.recent, -self._newest - 1, axis=1)
 
     def take(self, topic: str, sample: Sample | None) -> Iterator[tuple[Tick, Estimate]]:
         """Take a sample of a surface channel (None: unreadable); yield the ticks that it completes."""
@@ -56,7 +63,9 @@ class Engine:
             self.recent[:] = math.nan
         values, reasons = self.estimator.step(tick.motor_torque_nm, tick.motor_speed_rad_s, tick.reasons)
         self._warm = not reasons & Reason.WARMING_UP
-        self.recent[tick.number % len(self.recent)] = values[CONFIRMED + SPEED]
+        self._newest = tick.number % self.recent.shape[1]
+        bit = values[CONFIRMED + SPEED], values[CONFIRMED + TORQUE]
+        self.recent[:, self._newest] = *bit, *(self.estimator.top() if self._warm else (math.nan, math.nan))
         return self._estimate(tick, values, Reason(reasons))
 
     def _estimate(self, tick: Tick, values: Floats, reasons: Reason) -> Estimate:

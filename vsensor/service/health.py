@@ -8,6 +8,7 @@ import numpy as np
 
 from vsensor import __version__
 from vsensor.config import Rig
+from vsensor.estimator.figures import BIT_SPEED, figures
 from vsensor.estimator.severity import severity
 from vsensor.intake import NS
 from vsensor.messages import ChannelStatus, Status
@@ -73,7 +74,7 @@ class Health:
     @property
     def severity(self) -> float:
         """Stick-slip severity over the configured window, NaN where the bit does not turn."""
-        return severity(self._engine.recent)
+        return severity(self._engine.recent[BIT_SPEED])
 
     def status(self, state: str, recorder: Recorded | None) -> Status:
         """The status of this moment; begins a new second."""
@@ -106,6 +107,9 @@ class Health:
             status.work_p50_s, status.work_p99_s = _percentiles(self._work_ns)
         if not np.isnan(worst := self.severity):
             status.severity = worst
+        for name, value in figures(self._engine.window, 1 / self._rig.loop.rate)._asdict().items():
+            if not np.isnan(value):
+                setattr(status, name, value)
         if recorder is not None:
             if not recorder.trouble():
                 status.recording = recorder.path

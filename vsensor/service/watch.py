@@ -4,15 +4,20 @@ import math
 from collections import deque
 
 from vsensor.config import Rig
+from vsensor.estimator.figures import STUCK_SPEED
 from vsensor.intake import NS
-from vsensor.messages import Estimate, Event, Tick
+from vsensor.messages import Estimate, Event, Profile, Tick
+from vsensor.messages.vsensor_pb2 import BAD
 
-STUCK_SPEED = 0.5
-"""A confirmed bit speed below this (rad/s, 5 rpm) while the surface turns twice as fast is a stuck bit."""
 STUCK_S = 0.3
-"""for at least so long: shorter stops are the turning points of an oscillation."""
+"""A bit that is slower than STUCK_SPEED for at least so long, while the surface turns twice as fast, is
+stuck: shorter stops are the turning points of an oscillation."""
 STICK_SLIP = 1.0
 """Severity from which the bit stops in each period."""
+
+
+RELIEVED = 0.05
+"""Over-torque ends once the least margin is this again: noise on the torque does not end and begin it."""
 
 
 class Condition:
@@ -23,12 +28,12 @@ class Condition:
         self._texts = {True: begins, False: ends}
         self.holds = False
 
-    def see(self, holds: bool, time_ns: int) -> Event | None:
-        """Take the condition's present state; an event where it has changed."""
+    def see(self, holds: bool, time_ns: int, details: str = "") -> Event | None:
+        """Take the condition's present state; an event where it has changed, its text ended by `details`."""
         if holds == self.holds:
             return None
         self.holds = holds
-        return Event(time_ns=time_ns, name=self._name, begins=holds, text=self._texts[holds])
+        return Event(time_ns=time_ns, name=self._name, begins=holds, text=self._texts[holds] + details)
 
 
 class Watch:
@@ -45,6 +50,11 @@ class Watch:
         )
         self._stick_slip = Condition(
             "stick_slip", "stick-slip: the bit stops in each period", "stick-slip is over"
+        )
+        self._over_torque = Condition(
+            "over_torque",
+            "a component bears more torque than it may: ",
+            "no component bears more torque than it may: ",
         )
         self._turning = 2 * STUCK_SPEED * rig.top_drive.gear_ratio
         self._surface: deque[float] = deque(maxlen=round(confirmed_delay * rig.loop.rate) + 1)
@@ -68,6 +78,18 @@ class Watch:
             self._slow_since_ns = time_ns
         stuck = time_ns - self._slow_since_ns >= STUCK_S * NS
         return self._stuck.see(stuck, self._slow_since_ns)
+
+    def profile(self, profile: Profile) -> Event | None:
+        """Look along the string: does a component bear more torque than it may?"""
+        if profile.quality == BAD or not profile.HasField("weakest_margin"):
+            return None
+        over = profile.weakest_margin < (RELIEVED if self._over_torque.holds else 0.0)
+        details = (
+            f"{profile.weakest_component}, {profile.weakest_depth_m:.0f} m down, bears "
+            f"{abs(profile.weakest_torque_nm) / 1e3:.1f} kN·m of {profile.weakest_limit_nm / 1e3:.1f} kN·m "
+            f"({profile.weakest_limited_by})"
+        )
+        return self._over_torque.see(over, profile.time_ns, details)
 
     def second(self, severity: float, input_lost: bool) -> list[Event]:
         """Look at the state once a second."""

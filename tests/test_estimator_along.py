@@ -1,0 +1,164 @@
+"""The string at one moment: the kernels against their twins, closed forms, and what must be continuous."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from vsensor.estimator.confirm import EVERY_JUNCTION
+
+from tests import naive
+from tests.strings import COLLAR, PIPE, strings
+from vsensor.config import Bit, Component
+from vsensor.estimator import component
+from vsensor.estimator.along import INTERVALS, SPEED, TORQUE, Stations, along, keep_returned, stations
+from vsensor.estimator.line import descend, march
+from vsensor.estimator.load import load_of
+from vsensor.estimator.sections import Floats, Line, cut, junction_depths
+
+STEP = 1e-2
+SEEDS = st.integers(0, 2**32 - 1)
+SMOOTH = strings(most=3).map(
+    lambda string: tuple(
+        part.model_copy(update={"coulomb_friction": 0.0, "static_friction": 0.0}) for part in string
+    )
+)
+
+
+def laid_out(string: tuple[Component, ...], step: float = STEP) -> tuple[Line, Stations]:
+    line = cut(string, step, 300)
+    return line, stations(string, line, junction_depths(string, step, 300))
+
+
+class Peeled:
+    """A string peeled step by step, and what is told along it."""
+
+    def __init__(self, line: Line, at: Stations) -> None:
+        self.line, self.at = line, at
+        self.travel = int(line.round_trip.sum()) // 2
+        self.waves = np.zeros((len(line.impedance), 1 << int(2 * line.round_trip.sum()).bit_length()))
+        self.returned = np.zeros_like(self.waves)
+        self.speeds = np.zeros(len(line.impedance) + 1)
+        self.steps = 0
+
+    def peel(self, torque: float, speed: float) -> tuple[float, float]:
+        self.steps += 1
+        return descend(self.line, self.waves, self.returned, self.speeds, self.steps - 1, torque, speed)
+
+    def told(self) -> Floats:
+        told = np.empty((2, len(self.at.depth)))
+        common = self.steps - 1 - self.travel
+        along(self.line, self.waves, self.returned, self.at, common, told)
+        return told
+
+
+def truth(cells: naive.Cells, at: Stations) -> Floats:
+    places = zip(at.section.tolist(), at.inside.tolist(), strict=True)
+    return np.array([cells.at(section, cell) for section, cell in places]).T
+
+
+@settings(max_examples=20)
+@given(SMOOTH, SEEDS, st.floats(0, 2e3), st.integers(1, 150))
+def test_the_string_at_one_moment_is_that_of_its_naive_twin(
+    string: tuple[Component, ...], seed: int, drag: float, moment: int
+) -> None:
+    line, at = laid_out(string)
+    cells, peeled = naive.Cells(line, drag), Peeled(line, at)
+    speeds = 5 * np.random.default_rng(seed).standard_normal(moment + peeled.travel)
+    expected = np.zeros((2, len(at.depth)))
+    bottom = given_top = (0.0, 0.0)
+    for k, speed in enumerate(speeds.tolist()):
+        torque = cells.step(speed)
+        bottom = peeled.peel(torque, speed)
+        if k == moment - 1:
+            expected, given_top = truth(cells, at), (speed, torque)
+    told = peeled.told()
+    np.testing.assert_allclose(told, expected, rtol=1e-7, atol=1e-6)
+    assert told[:, 0] == pytest.approx(given_top, rel=1e-7, abs=1e-6)
+    assert told[:, -1] == pytest.approx(bottom[::-1], rel=1e-7, abs=1e-6)
+
+
+@settings(max_examples=20)
+@given(SMOOTH, SEEDS, st.floats(0, 2e3))
+def test_a_marched_string_leaves_the_waves_that_its_naive_twin_has(
+    string: tuple[Component, ...], seed: int, drag: float
+) -> None:
+    line, at = laid_out(string)
+    cells, peeled = naive.Cells(line, drag), Peeled(line, at)
+    load, told = load_of(Bit(viscous_friction=drag), STEP), np.zeros((2, 1))
+    moment = 40
+    speeds = 5 * np.random.default_rng(seed).standard_normal(moment + peeled.travel)
+    expected = np.zeros((2, len(at.depth)))
+    for k, speed in enumerate(speeds.tolist()):
+        waves, known = peeled.waves, k - 1
+        g, _ = march(line, load, waves, known, 1, known, EVERY_JUNCTION, 0.0, peeled.speeds, 0.0, told)
+        keep_returned(line, waves, peeled.speeds, k, peeled.returned)
+        peeled.speeds[0] = speed
+        waves[0, k & (waves.shape[1] - 1)] = g + 2 * line.impedance[0] * speed
+        cells.step(speed)
+        peeled.steps += 1
+        if k == moment - 1:
+            expected = truth(cells, at)
+    np.testing.assert_allclose(peeled.told(), expected, rtol=1e-7, atol=1e-6)
+
+
+@settings(max_examples=20)
+@given(strings(most=4), SEEDS)
+def test_speed_and_torque_are_continuous_where_components_meet(
+    string: tuple[Component, ...], seed: int
+) -> None:
+    """With Coulomb friction too, and whatever the surface measured."""
+    line, at = laid_out(string)
+    peeled = Peeled(line, at)
+    for torque, speed in np.random.default_rng(seed).standard_normal((peeled.travel + 50, 2)).tolist():
+        peeled.peel(5e3 * torque, 5 * speed)
+    told = peeled.told()
+    meets = np.flatnonzero(np.diff(at.component))
+    assert len(meets) == len(string) - 1
+    np.testing.assert_allclose(told[SPEED, meets], told[SPEED, meets + 1], rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(told[TORQUE, meets], told[TORQUE, meets + 1], rtol=1e-9, atol=1e-6)
+
+
+@given(strings(), st.floats(1e-3, 2e-2))
+def test_the_stations_cover_the_string_evenly(string: tuple[Component, ...], step: float) -> None:
+    line, at = laid_out(string, step)
+    length = sum(part.length for part in string)
+    assert at.depth[0] == 0
+    assert at.depth[-1] == pytest.approx(length)
+    assert np.diff(at.depth).max() <= length / INTERVALS * (1 + 1e-9)
+    assert np.diff(at.depth).min() >= 0
+    assert len(at.depth) <= INTERVALS + 2 * len(string)
+    assert (np.diff(at.down + at.inside) >= 0).all()
+    assert (at.inside <= line.round_trip[at.section] // 2).all()
+    for number, part in enumerate(string):
+        depths = at.depth[at.component == number]
+        assert depths[-1] - depths[0] == pytest.approx(part.length)
+
+
+def test_a_part_that_was_lumped_with_its_neighbour_has_its_stations_in_the_common_section() -> None:
+    sub = COLLAR.model_copy(update={"name": "sub", "length": 2.0})
+    line, at = laid_out((PIPE, COLLAR, sub), 5e-3)
+    last = len(line.impedance) - 1
+    assert at.section[at.component > 0].tolist() == [last] * int((at.component > 0).sum())
+    assert int((at.component == 2).sum()) == 2
+    assert int(at.down[-1] + at.inside[-1]) == int(line.round_trip.sum()) // 2
+
+
+def test_a_standing_wave() -> None:
+    """A pipe free at its bottom: ω = A cos k(L−d) cos Ωt, T = −ζA sin k(L−d) sin Ωt (wave equation)."""
+    pipe = PIPE.model_copy(update={"viscous_friction": 0.0})
+    steps = 80
+    step = component.delay(pipe) / steps
+    line, at = laid_out((pipe,), step)
+    peeled = Peeled(line, at)
+    omega, z, most = 2 * math.pi * 0.7, component.impedance(pipe), 6.0
+    up = omega / component.wave_speed(pipe) * pipe.length
+    for k in range(4 * steps):
+        swing = omega * k * step
+        peeled.peel(-z * most * math.sin(up) * math.sin(swing), most * math.cos(up) * math.cos(swing))
+    below = omega * step * (steps - at.inside)  # each station on the grid
+    swing = omega * step * (peeled.steps - 1 - peeled.travel)
+    told = peeled.told()
+    np.testing.assert_allclose(told[SPEED], most * np.cos(below) * math.cos(swing), atol=1e-9)
+    np.testing.assert_allclose(told[TORQUE], -z * most * np.sin(below) * math.sin(swing), atol=1e-6)
