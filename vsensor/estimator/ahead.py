@@ -30,7 +30,7 @@ def predict(model: Model, state: State) -> None:
 
 
 STICK_S = 0.1
-"""A bit that is foretold to rest for so long sticks: shorter stops are the turning points of an oscillation."""
+"""A bit foretold to rest for so long sticks: shorter stops are the turning points of an oscillation."""
 
 
 @compiled

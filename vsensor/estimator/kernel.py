@@ -61,7 +61,8 @@ def advance(
 ) -> None:
     """Run n ticks: inputs (n,), `out` (n, COLUMNS) and `out_reasons` (n,) are filled. No allocation.
 
-    `reasons` (n,) holds flags of `quality.Reason`, and OFF_BOTTOM. An input that is not finite, or beyond belief, counts as missing: the last one is held, and flagged.
+    `reasons` (n,) holds flags of `quality.Reason`, and OFF_BOTTOM. An input that is not finite, or beyond
+    belief, counts as missing: the last one is held, and flagged.
     """
     for k in range(torque.shape[0]):
         flags = _enter(model, state, torque[k], speed[k], reasons[k])
@@ -79,7 +80,7 @@ def advance(
         if out_reasons[k]:
             lose_sight(state.learned)
         elif state.off_bottom[0] > 0:
-            _tare(model, state, shadows)
+            _tare(model, state)
         else:
             _learn(model, state)
         if not out_reasons[k] and state.ticks[0] > SETTLED_S * model.rate:
@@ -109,9 +110,7 @@ def _follow_bit(model: Model, state: State, off: bool) -> None:
     """Count since when the bit has been off bottom; the model's own is a travel time behind."""
     count = state.off_bottom[0]
     state.off_bottom[0] = max(count, 0) + 1 if off else min(count, 0) - 1
-    if state.ticks[0] == 0:
-        state.learned.idle[0] = 1 if off else 0
-    elif abs(state.off_bottom[0]) * model.steps >= model.now:
+    if state.ticks[0] == 0 or abs(state.off_bottom[0]) * model.steps >= model.now:
         state.learned.idle[0] = 1 if off else 0
 
 
@@ -172,7 +171,7 @@ def _tune(model: Model, state: State, shadows: Shadows) -> None:
 
 
 @compiled
-def _tare(model: Model, state: State, shadows: Shadows) -> None:
+def _tare(model: Model, state: State) -> None:
     """Learn the wall's friction from a bit that has been off bottom for as long as it takes to be confirmed."""
     lose_sight(state.learned)
     if (state.off_bottom[0] - model.lag) * model.steps < model.now:
