@@ -109,7 +109,7 @@ def gains(plant: Plant, at: Stations, lag: int, ahead: tuple[float, float]) -> G
     ticks = 1 << (round(HORIZON_S * plant.rate) - 1).bit_length()
     of_rock, of_noise = (_responses(plant, at, ticks, by_rock=by_rock) for by_rock in (True, False))
     each = [_at_level(plant, of_rock, of_noise, float(level), lag, ahead) for level in ROCK_LEVELS]
-    columns: list[Floats] = [_rounded(np.array(column)) for column in zip(*each, strict=True)]
+    columns = [_rounded(np.array(column)) for column in zip(*each, strict=True)]
     return Gains(ROCK_LEVELS.copy(), *columns)
 
 
@@ -121,7 +121,7 @@ def _rounded(column: Floats) -> Floats:
     """
     greatest = np.abs(column).max(axis=-1, keepdims=True) if column.ndim > 1 else np.abs(column)
     grid = np.ldexp(1.0, np.frexp(greatest)[1] - 26)
-    return np.asarray(np.rint(column / grid) * grid)
+    return np.asarray(np.rint(column / grid) * grid, np.float64)
 
 
 def _at_level(

@@ -172,7 +172,7 @@ def _tune(model: Model, state: State, shadows: Shadows) -> None:
 
 @compiled
 def _tare(model: Model, state: State) -> None:
-    """Learn the wall's friction from a bit that has been off bottom for as long as it takes to be confirmed."""
+    """Learn the wall's friction from a bit that has long been off bottom: so long as a confirmation takes."""
     lose_sight(state.learned)
     if (state.off_bottom[0] - model.lag) * model.steps < model.now:
         return
