@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -11,8 +11,11 @@ import zenoh
 
 from vsensor.config import Bus
 from vsensor.errors import BusError, ConfigError
-from vsensor.messages import SENSOR_ALIVE, SURFACE, Message, Sample, message_type, surface
+from vsensor.messages import SENSOR_ALIVE, SENSOR_COMMAND, SURFACE, Message, Sample, message_type, surface
 
+COMMANDS_CAPACITY = 16
+COMMAND_BYTES = 200
+"""What a driller may say is far shorter."""
 INBOX_CAPACITY = 1 << 16
 """Samples that may wait for a tick: 30 s of two channels at 1 kHz, past which the oldest are lost."""
 
@@ -100,6 +103,34 @@ class SurfaceInbox:
                 yield Received(topic, received_ns, None, str(error))
             else:
                 yield Received(topic, received_ns, sample)
+
+
+class Commands:
+    """Questions put to the sensor that ask it to do something, drained without waiting."""
+
+    def __init__(self, session: zenoh.Session, prefix: str) -> None:
+        key = f"{prefix}/{SENSOR_COMMAND}"
+        self._queryable = session.declare_queryable(key, zenoh.handlers.FifoChannel(COMMANDS_CAPACITY))
+
+    def answer(self, obey: Callable[[str], str]) -> None:
+        """Answer what has come since the last call: `obey` returns what was done, or raises ValueError."""
+        while (query := self._queryable.try_recv()) is not None:
+            with query:
+                words = b"" if query.payload is None else query.payload.to_bytes()[:COMMAND_BYTES]
+                try:
+                    query.reply(query.key_expr, obey(words.decode("utf-8", "replace")))
+                except ValueError as error:
+                    query.reply_err(str(error))
+
+
+def command(session: zenoh.Session, prefix: str, words: str) -> str:
+    """Tell a sensor something; returns what it did. Raises BusError where it refuses or does not answer."""
+    for reply in session.get(f"{prefix}/{SENSOR_COMMAND}", payload=words, timeout=5.0):
+        if reply.ok is not None:
+            return reply.ok.payload.to_string()
+        if reply.err is not None:
+            raise BusError(reply.err.payload.to_string())
+    raise BusError(f"no sensor answers at {prefix}/{SENSOR_COMMAND}: is the daemon (vsensor run) up?")
 
 
 class Feed:

@@ -139,6 +139,13 @@ class Tuning(Table):
     friction: Share = Field(default=0.15, description="a share such as 0.15")
 
 
+class DepthSettings(Table):
+    """How the depths of bit and hole are read."""
+
+    stand: Length = Field(default=28.5, description='a length such as "28.5 m"')
+    off_bottom: Length = Field(default=0.5, description='a height such as "0.5 m"')
+
+
 class Loop(Table):
     """The fixed-step loop."""
 
@@ -199,6 +206,7 @@ class Rig(Table):
     measurement: Measurement = Measurement()
     estimator: EstimatorSettings = EstimatorSettings()
     tuning: Tuning = Tuning()
+    depth: DepthSettings = DepthSettings()
     loop: Loop = Loop()
     bus: Bus = Bus()
     recording: Recording = Recording()

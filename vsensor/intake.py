@@ -12,7 +12,8 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from vsensor.config import Rig
-from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, ChannelStatus, Sample
+from vsensor.depth import Depths
+from vsensor.messages import DEPTH_TOPICS, SURFACE_SPEED, SURFACE_TORQUE, ChannelStatus, Sample
 from vsensor.quality import Quality, Reason
 
 NS = 1_000_000_000
@@ -34,6 +35,9 @@ class Input(NamedTuple):
     motor_torque: float
     motor_speed: float
     reasons: Reason
+    off_bottom: bool = False
+    longer_by: float = 0.0
+    """By how much the string has become longer since the tick before, m."""
 
 
 class Point(NamedTuple):
@@ -176,6 +180,7 @@ class Intake:
         self._torque = Channel(SURFACE_TORQUE, measured.torque_limit / turns, Reason.STALE_TORQUE)
         self._speed = Channel(SURFACE_SPEED, measured.speed_limit * turns, Reason.STALE_SPEED)
         self.channels = {SURFACE_TORQUE: self._torque, SURFACE_SPEED: self._speed}
+        self.depths = Depths(rig)
         self.restarts = 0
         self._jump_ns: dict[str, int] = {}
         self._lay_anew()
@@ -192,6 +197,9 @@ class Intake:
 
         Returns each tick that both channels have now reached, or that one has left far behind.
         """
+        if topic in DEPTH_TOPICS:
+            self.depths.take(topic, sample)
+            return []
         channel = self.channels[topic]
         channel.counts.received += 1
         if sample is None:
@@ -248,7 +256,10 @@ class Intake:
         speed = self._value(self._speed, self._torque, time_ns)
         if torque is None or speed is None:
             return None
-        given = Input(self._number, time_ns, torque[0], speed[0], torque[1] | speed[1])
+        longer_by = self.depths.longer_by()
+        changed = Reason.STRING_CHANGED if longer_by else Reason(0)
+        reasons = torque[1] | speed[1] | changed
+        given = Input(self._number, time_ns, torque[0], speed[0], reasons, self.depths.off_bottom, longer_by)
         self._number += 1
         self._consumed_ns = time_ns
         return given

@@ -8,7 +8,16 @@ from numpy.typing import NDArray
 
 from vsensor.config import Rig
 from vsensor.estimator.estimator import Estimator
-from vsensor.estimator.kernel import CONFIRMED, FORECAST, NOW, SPEED, SPEED_STD, TORQUE, TORQUE_STD
+from vsensor.estimator.kernel import (
+    CONFIRMED,
+    FORECAST,
+    NOW,
+    OFF_BOTTOM,
+    SPEED,
+    SPEED_STD,
+    TORQUE,
+    TORQUE_STD,
+)
 from vsensor.intake import NS, Input, Intake
 from vsensor.messages import Sample
 from vsensor.quality import Reason, verdict
@@ -37,14 +46,18 @@ class Offline:
     def _run(self, inputs: list[Input]) -> Mapping[str, NDArray[np.generic]]:
         if inputs[0].number == 0:
             self._estimator.restart()
+        if inputs[0].longer_by:
+            self._estimator.lengthen(inputs[0].longer_by)
         times = np.array([given.time_ns for given in inputs])
-        values, reasons = self._estimator.run(
+        values, reasons, delays = self._estimator.run(
             [given.motor_torque for given in inputs],
             [given.motor_speed for given in inputs],
-            [int(given.reasons) for given in inputs],
+            [int(given.reasons) | (OFF_BOTTOM if given.off_bottom else 0) for given in inputs],
         )
-        confirmed = times - round(self._estimator.confirmed_delay * NS)
-        forecast = times + round(self._estimator.forecast_horizon * NS)
+        confirmed, forecast = (
+            times + sign * np.rint(delay * NS).astype(np.int64)
+            for sign, delay in zip((-1, 1), delays, strict=True)
+        )
         return {
             "time_s": _seconds(times),
             "confirmed_time_s": np.where(np.isnan(values[:, CONFIRMED]), np.nan, _seconds(confirmed)),
@@ -76,10 +89,10 @@ def _answer(kind: str, columns: NDArray[np.float64]) -> dict[str, NDArray[np.flo
 
 
 def _unbroken(inputs: list[Input]) -> Iterator[list[Input]]:
-    """Split where the grid was laid anew."""
+    """Split where the grid was laid anew, and where the string has become longer."""
     start = 0
     for at in range(1, len(inputs)):
-        if inputs[at].number == 0:
+        if inputs[at].number == 0 or inputs[at].longer_by:
             yield inputs[start:at]
             start = at
     yield inputs[start:]

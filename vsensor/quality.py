@@ -24,6 +24,8 @@ class Reason(IntFlag):
     """The speed channel is silent: the string is run by torque alone under the load law."""
     SOURCE_UNCERTAIN = 1 << 4
     """The source itself called a sample less than good."""
+    STRING_CHANGED = 1 << 5
+    """The string was made longer or shorter: waves of before are still in it."""
 
     def words(self) -> str:
         """The flags in plain words, comma separated; empty for none."""

@@ -54,14 +54,14 @@ def _rig(source: Path, config: Path | None) -> Rig:
 
 
 def _samples(source: Path) -> "Iterator[tuple[str, Sample]]":
-    from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Sample
+    from vsensor.messages import SURFACE_TOPICS, Sample
     from vsensor.recording.reader import Session
     from vsensor.tables import read_surface, surface_samples
 
     if source.suffix != ".mcap":
         yield from surface_samples(read_surface(source))
         return
-    for topic, message, _, _ in Session(source).messages((SURFACE_TORQUE, SURFACE_SPEED)):
+    for topic, message, _, _ in Session(source).messages(SURFACE_TOPICS):
         if isinstance(message, Sample):
             yield topic, message
 

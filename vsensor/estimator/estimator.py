@@ -7,9 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vsensor.config import Bit, Rig
+from vsensor.config import Bit, Component, Rig
 from vsensor.estimator import kernel
 from vsensor.estimator.along import Stations, along, stations
+from vsensor.estimator.carry import carry
 from vsensor.estimator.gains import TOLD_TOP_SPEED, TOLD_TOP_TORQUE, Plant, gains, rock_fade
 from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.sections import Floats, Line, cut, junction_depths, steps_per_tick
@@ -28,6 +29,8 @@ class Estimates(NamedTuple):
     deviation; then the time until a stick is foretold, s."""
     reasons: NDArray[np.uint32]
     """Flags of `quality.Reason`, shape (n,)."""
+    delays: Floats
+    """How long before each tick confirmed is for, and how long after it the forecast, s, shape (2, n)."""
 
 
 class Estimator:
@@ -39,6 +42,18 @@ class Estimator:
 
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
+        self._between = round(EVERY_S * rig.loop.rate)
+        self._one = (
+            np.empty((2, 1)),
+            np.empty(1, np.uint32),
+            np.empty((1, kernel.COLUMNS)),
+            np.empty(1, np.uint32),
+        )
+        self._lay_out()
+        self.reset()
+
+    def _lay_out(self) -> None:
+        rig = self._rig
         tick = 1 / rig.loop.rate
         steps = steps_per_tick(rig.string, tick)
         cuts = rig.string, tick / steps, rig.estimator.section_length, rig.survey, rig.wellbore
@@ -47,16 +62,16 @@ class Estimator:
         """Where along the string `profile` tells of it."""
         self._profile = np.empty((2, len(self.stations.depth)))
         self._configured = _model(rig, line, self.stations, steps)
-        self._between = round(EVERY_S * rig.loop.rate)
-        self._one = (
-            np.empty((2, 1)),
-            np.empty(1, np.uint32),
-            np.empty((1, kernel.COLUMNS)),
-            np.empty(1, np.uint32),
-        )
-        self.reset()
-        self.warm_up = self._configured.span * tick
+
+    @property
+    def string(self) -> tuple[Component, ...]:
+        """The string as configured, with what was added while running."""
+        return self._rig.string
+
+    @property
+    def warm_up(self) -> float:
         """How much input is needed before the first answer, s."""
+        return self._configured.span / self._configured.rate
 
     @property
     def line(self) -> Line:
@@ -70,13 +85,13 @@ class Estimator:
 
     @property
     def confirmed_delay(self) -> float:
-        """How long before the tick the confirmed answer is for, s."""
-        return (self._model.lag + self._model.now / self._model.steps) / self._model.rate
+        """How long before its tick the last confirmed answer was for, s."""
+        return (self._told.lag + self._told.now / self._told.steps) / self._told.rate
 
     @property
     def forecast_horizon(self) -> float:
-        """How long after the tick the forecast is for, s."""
-        return (self._model.forecast - self._model.now) / self._model.steps / self._model.rate
+        """How long after its tick the last forecast was for, s."""
+        return (self._told.forecast - self._told.now) / self._told.steps / self._told.rate
 
     @property
     def noise(self) -> Floats:
@@ -97,6 +112,16 @@ class Estimator:
     def tuning(self) -> Floats:
         """Corrections in force of delay, top-drive inertia and wall friction, as shares; shape (3,)."""
         return self._state.tuning.value.copy()
+
+    @property
+    def tuning_std(self) -> Floats:
+        """Standard deviations of what they leave uncertain, shape (3,)."""
+        return np.asarray(np.sqrt(self._state.tuning.variance))
+
+    @property
+    def rock_std(self) -> float:
+        """Standard deviation of the bit's torque about the load law, N·m."""
+        return float(np.sqrt(self._state.rock_square[0]))
 
     @property
     def law(self) -> Bit:
@@ -120,6 +145,25 @@ class Estimator:
         state = self._new()
         fill(state, {name: array for name, array in flat(self._state).items() if is_learned(name)})
         lose_sight(state.learned)
+        self._take(state)
+
+    def lengthen(self, metres: float) -> None:
+        """Make the topmost component longer by so much, or shorter; what is in the string's lines stays.
+
+        Until all waves of before have left, inputs should be flagged `quality.Reason.STRING_CHANGED`.
+        Raises ValueError where nothing would be left of that component.
+        """
+        top, *rest = self._rig.string
+        if top.length + metres <= 0:
+            raise ValueError(f'"{top.name}" is {top.length:g} m long and cannot become {-metres:g} m shorter')
+        longer = top.model_copy(update={"length": top.length + metres})
+        self._rig = self._rig.model_copy(update={"string": (longer, *rest)})
+        old, before = self._state, self._model.line
+        self._lay_out()
+        state = self._new()
+        if old.ticks[0] > 0:
+            line = tuned(self._configured.line, old.tuning.value)
+            carry(old, before, state, line, self._configured.steps)
         self._take(state)
 
     def save(self) -> dict[str, NDArray[np.generic]]:
@@ -177,10 +221,11 @@ class Estimator:
             raise ValueError(
                 f"{n} torques, {len(speeds)} speeds and {len(flags)} reasons: lengths must agree"
             )
-        out = Estimates(np.empty((n, kernel.COLUMNS)), np.empty(n, np.uint32))
+        out = Estimates(np.empty((n, kernel.COLUMNS)), np.empty(n, np.uint32), np.empty((2, n)))
         for start, end in self._between_corrections(n):
             part = slice(start, end)
             self._advance(torques[part], speeds[part], flags[part], out.values[part], out.reasons[part])
+            out.delays[0, part], out.delays[1, part] = self.confirmed_delay, self.forecast_horizon
         return out
 
     def _between_corrections(self, n: int) -> Iterator[tuple[int, int]]:
@@ -200,6 +245,7 @@ class Estimator:
         values: Floats,
         lasting: NDArray[np.uint32],
     ) -> None:
+        self._told = self._model
         kernel.advance(self._model, self._state, self._shadows, torques, speeds, flags, values, lasting)
         due = self._state.ticks[0] % self._between == 0
         if due and correct(self._state.tuning, self._shadows.off, self._rig.tuning.enabled):
@@ -210,7 +256,7 @@ class Estimator:
 
     def _take(self, state: State) -> None:
         self._state = state
-        self._model = self._corrected()
+        self._model = self._told = self._corrected()
         self._shadows = shadowed(self._model, state)
 
     def _tune(self) -> None:

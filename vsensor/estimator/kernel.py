@@ -208,13 +208,15 @@ def _doubt(model: Model, state: State, shadows: Shadows, quantity: int, step: in
 def _score(model: Model, state: State, shadows: Shadows) -> None:
     """Hold what was foretold against what is confirmed by now."""
     mask = state.told.shape[1] - 1
+    width = state.scores.foretold.shape[3]
     newest = _confirmed_step(model, state)
     for kind in range(2):
         ahead = model.now if kind == 0 else model.forecast
         # Only one step of a tick was foretold from the last step of a tick.
         tick = (newest - ahead + 1) // model.steps - 1
         step = tick * model.steps + model.steps - 1 + ahead
-        if tick < model.span:
+        # Nothing was foretold while warming up, nor of a string that was made longer since.
+        if tick < model.span or math.isnan(state.scores.foretold[kind, 0, 0, tick % width]):
             continue
         state.scores.scored[kind] += 1
         for q in range(2):

@@ -16,7 +16,9 @@ STRING_PROFILE = "string/profile"
 SENSOR_TICK = "sensor/tick"
 SENSOR_STATUS = "sensor/status"
 SENSOR_EVENT = "sensor/event"
-SURFACE_TOPICS = (SURFACE_TORQUE, SURFACE_SPEED, SURFACE_BIT_DEPTH, SURFACE_HOLE_DEPTH)
+DEPTH_TOPICS = (SURFACE_BIT_DEPTH, SURFACE_HOLE_DEPTH)
+SURFACE_TOPICS = (SURFACE_TORQUE, SURFACE_SPEED, *DEPTH_TOPICS)
+SENSOR_COMMAND = "sensor/command"  # queryable
 SENSOR_ALIVE = "sensor/alive"  # a liveliness token, no message
 
 _TYPES: dict[str, type[Message]] = {

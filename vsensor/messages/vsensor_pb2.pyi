@@ -119,6 +119,8 @@ class Tick(_message.Message):
     SLOT_FIELD_NUMBER: _builtins.int
     LATENESS_NS_FIELD_NUMBER: _builtins.int
     CAUGHT_UP_FIELD_NUMBER: _builtins.int
+    OFF_BOTTOM_FIELD_NUMBER: _builtins.int
+    LONGER_BY_M_FIELD_NUMBER: _builtins.int
     number: _builtins.int
     """since the estimator's last start"""
     time_ns: _builtins.int
@@ -133,6 +135,10 @@ class Tick(_message.Message):
     """wake-up after the slot's deadline"""
     caught_up: _builtins.bool
     """run late, for a slot that the loop had to skip"""
+    off_bottom: _builtins.bool
+    """by depths or on command"""
+    longer_by_m: _builtins.float
+    """the string was made longer at this tick; shorter, if negative"""
     def __init__(
         self,
         *,
@@ -144,21 +150,27 @@ class Tick(_message.Message):
         slot: _builtins.int | None = ...,
         lateness_ns: _builtins.int | None = ...,
         caught_up: _builtins.bool | None = ...,
+        off_bottom: _builtins.bool | None = ...,
+        longer_by_m: _builtins.float | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_caught_up", b"_caught_up", "_lateness_ns", b"_lateness_ns", "_motor_speed_rad_s", b"_motor_speed_rad_s", "_motor_torque_nm", b"_motor_torque_nm", "_number", b"_number", "_reasons", b"_reasons", "_slot", b"_slot", "_time_ns", b"_time_ns", "caught_up", b"caught_up", "lateness_ns", b"lateness_ns", "motor_speed_rad_s", b"motor_speed_rad_s", "motor_torque_nm", b"motor_torque_nm", "number", b"number", "reasons", b"reasons", "slot", b"slot", "time_ns", b"time_ns"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_caught_up", b"_caught_up", "_lateness_ns", b"_lateness_ns", "_longer_by_m", b"_longer_by_m", "_motor_speed_rad_s", b"_motor_speed_rad_s", "_motor_torque_nm", b"_motor_torque_nm", "_number", b"_number", "_off_bottom", b"_off_bottom", "_reasons", b"_reasons", "_slot", b"_slot", "_time_ns", b"_time_ns", "caught_up", b"caught_up", "lateness_ns", b"lateness_ns", "longer_by_m", b"longer_by_m", "motor_speed_rad_s", b"motor_speed_rad_s", "motor_torque_nm", b"motor_torque_nm", "number", b"number", "off_bottom", b"off_bottom", "reasons", b"reasons", "slot", b"slot", "time_ns", b"time_ns"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_caught_up", b"_caught_up", "_lateness_ns", b"_lateness_ns", "_motor_speed_rad_s", b"_motor_speed_rad_s", "_motor_torque_nm", b"_motor_torque_nm", "_number", b"_number", "_reasons", b"_reasons", "_slot", b"_slot", "_time_ns", b"_time_ns", "caught_up", b"caught_up", "lateness_ns", b"lateness_ns", "motor_speed_rad_s", b"motor_speed_rad_s", "motor_torque_nm", b"motor_torque_nm", "number", b"number", "reasons", b"reasons", "slot", b"slot", "time_ns", b"time_ns"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_caught_up", b"_caught_up", "_lateness_ns", b"_lateness_ns", "_longer_by_m", b"_longer_by_m", "_motor_speed_rad_s", b"_motor_speed_rad_s", "_motor_torque_nm", b"_motor_torque_nm", "_number", b"_number", "_off_bottom", b"_off_bottom", "_reasons", b"_reasons", "_slot", b"_slot", "_time_ns", b"_time_ns", "caught_up", b"caught_up", "lateness_ns", b"lateness_ns", "longer_by_m", b"longer_by_m", "motor_speed_rad_s", b"motor_speed_rad_s", "motor_torque_nm", b"motor_torque_nm", "number", b"number", "off_bottom", b"off_bottom", "reasons", b"reasons", "slot", b"slot", "time_ns", b"time_ns"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__caught_up: _TypeAlias = _typing.Literal["caught_up"]  # noqa: Y015
     _WhichOneofArgType__caught_up: _TypeAlias = _typing.Literal["_caught_up", b"_caught_up"]  # noqa: Y015
     _WhichOneofReturnType__lateness_ns: _TypeAlias = _typing.Literal["lateness_ns"]  # noqa: Y015
     _WhichOneofArgType__lateness_ns: _TypeAlias = _typing.Literal["_lateness_ns", b"_lateness_ns"]  # noqa: Y015
+    _WhichOneofReturnType__longer_by_m: _TypeAlias = _typing.Literal["longer_by_m"]  # noqa: Y015
+    _WhichOneofArgType__longer_by_m: _TypeAlias = _typing.Literal["_longer_by_m", b"_longer_by_m"]  # noqa: Y015
     _WhichOneofReturnType__motor_speed_rad_s: _TypeAlias = _typing.Literal["motor_speed_rad_s"]  # noqa: Y015
     _WhichOneofArgType__motor_speed_rad_s: _TypeAlias = _typing.Literal["_motor_speed_rad_s", b"_motor_speed_rad_s"]  # noqa: Y015
     _WhichOneofReturnType__motor_torque_nm: _TypeAlias = _typing.Literal["motor_torque_nm"]  # noqa: Y015
     _WhichOneofArgType__motor_torque_nm: _TypeAlias = _typing.Literal["_motor_torque_nm", b"_motor_torque_nm"]  # noqa: Y015
     _WhichOneofReturnType__number: _TypeAlias = _typing.Literal["number"]  # noqa: Y015
     _WhichOneofArgType__number: _TypeAlias = _typing.Literal["_number", b"_number"]  # noqa: Y015
+    _WhichOneofReturnType__off_bottom: _TypeAlias = _typing.Literal["off_bottom"]  # noqa: Y015
+    _WhichOneofArgType__off_bottom: _TypeAlias = _typing.Literal["_off_bottom", b"_off_bottom"]  # noqa: Y015
     _WhichOneofReturnType__reasons: _TypeAlias = _typing.Literal["reasons"]  # noqa: Y015
     _WhichOneofArgType__reasons: _TypeAlias = _typing.Literal["_reasons", b"_reasons"]  # noqa: Y015
     _WhichOneofReturnType__slot: _TypeAlias = _typing.Literal["slot"]  # noqa: Y015
@@ -170,11 +182,15 @@ class Tick(_message.Message):
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__lateness_ns) -> _WhichOneofReturnType__lateness_ns | None: ...
     @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__longer_by_m) -> _WhichOneofReturnType__longer_by_m | None: ...
+    @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__motor_speed_rad_s) -> _WhichOneofReturnType__motor_speed_rad_s | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__motor_torque_nm) -> _WhichOneofReturnType__motor_torque_nm | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__number) -> _WhichOneofReturnType__number | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__off_bottom) -> _WhichOneofReturnType__off_bottom | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__reasons) -> _WhichOneofReturnType__reasons | None: ...
     @_typing.overload
@@ -208,6 +224,11 @@ class Estimate(_message.Message):
     FORECAST_BIT_TORQUE_STD_NM_FIELD_NUMBER: _builtins.int
     QUALITY_FIELD_NUMBER: _builtins.int
     REASONS_FIELD_NUMBER: _builtins.int
+    TOP_SPEED_RAD_S_FIELD_NUMBER: _builtins.int
+    TOP_SPEED_STD_RAD_S_FIELD_NUMBER: _builtins.int
+    TOP_TORQUE_NM_FIELD_NUMBER: _builtins.int
+    TOP_TORQUE_STD_NM_FIELD_NUMBER: _builtins.int
+    STICK_IN_S_FIELD_NUMBER: _builtins.int
     number: _builtins.int
     time_ns: _builtins.int
     confirmed_time_ns: _builtins.int
@@ -226,6 +247,13 @@ class Estimate(_message.Message):
     forecast_bit_torque_std_nm: _builtins.float
     quality: Global___Quality.ValueType
     reasons: _builtins.int
+    top_speed_rad_s: _builtins.float
+    """The string's top at the confirmed bit's time: what the top drive passes on, freed of its inertia and noise."""
+    top_speed_std_rad_s: _builtins.float
+    top_torque_nm: _builtins.float
+    top_torque_std_nm: _builtins.float
+    stick_in_s: _builtins.float
+    """from now; 0 while the bit sticks; absent where no stick is foretold"""
     def __init__(
         self,
         *,
@@ -247,10 +275,15 @@ class Estimate(_message.Message):
         forecast_bit_torque_std_nm: _builtins.float | None = ...,
         quality: Global___Quality.ValueType | None = ...,
         reasons: _builtins.int | None = ...,
+        top_speed_rad_s: _builtins.float | None = ...,
+        top_speed_std_rad_s: _builtins.float | None = ...,
+        top_torque_nm: _builtins.float | None = ...,
+        top_torque_std_nm: _builtins.float | None = ...,
+        stick_in_s: _builtins.float | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_confirmed_bit_speed_rad_s", b"_confirmed_bit_speed_rad_s", "_confirmed_bit_speed_std_rad_s", b"_confirmed_bit_speed_std_rad_s", "_confirmed_bit_torque_nm", b"_confirmed_bit_torque_nm", "_confirmed_bit_torque_std_nm", b"_confirmed_bit_torque_std_nm", "_confirmed_time_ns", b"_confirmed_time_ns", "_forecast_bit_speed_rad_s", b"_forecast_bit_speed_rad_s", "_forecast_bit_speed_std_rad_s", b"_forecast_bit_speed_std_rad_s", "_forecast_bit_torque_nm", b"_forecast_bit_torque_nm", "_forecast_bit_torque_std_nm", b"_forecast_bit_torque_std_nm", "_forecast_time_ns", b"_forecast_time_ns", "_now_bit_speed_rad_s", b"_now_bit_speed_rad_s", "_now_bit_speed_std_rad_s", b"_now_bit_speed_std_rad_s", "_now_bit_torque_nm", b"_now_bit_torque_nm", "_now_bit_torque_std_nm", b"_now_bit_torque_std_nm", "_number", b"_number", "_quality", b"_quality", "_reasons", b"_reasons", "_time_ns", b"_time_ns", "confirmed_bit_speed_rad_s", b"confirmed_bit_speed_rad_s", "confirmed_bit_speed_std_rad_s", b"confirmed_bit_speed_std_rad_s", "confirmed_bit_torque_nm", b"confirmed_bit_torque_nm", "confirmed_bit_torque_std_nm", b"confirmed_bit_torque_std_nm", "confirmed_time_ns", b"confirmed_time_ns", "forecast_bit_speed_rad_s", b"forecast_bit_speed_rad_s", "forecast_bit_speed_std_rad_s", b"forecast_bit_speed_std_rad_s", "forecast_bit_torque_nm", b"forecast_bit_torque_nm", "forecast_bit_torque_std_nm", b"forecast_bit_torque_std_nm", "forecast_time_ns", b"forecast_time_ns", "now_bit_speed_rad_s", b"now_bit_speed_rad_s", "now_bit_speed_std_rad_s", b"now_bit_speed_std_rad_s", "now_bit_torque_nm", b"now_bit_torque_nm", "now_bit_torque_std_nm", b"now_bit_torque_std_nm", "number", b"number", "quality", b"quality", "reasons", b"reasons", "time_ns", b"time_ns"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_confirmed_bit_speed_rad_s", b"_confirmed_bit_speed_rad_s", "_confirmed_bit_speed_std_rad_s", b"_confirmed_bit_speed_std_rad_s", "_confirmed_bit_torque_nm", b"_confirmed_bit_torque_nm", "_confirmed_bit_torque_std_nm", b"_confirmed_bit_torque_std_nm", "_confirmed_time_ns", b"_confirmed_time_ns", "_forecast_bit_speed_rad_s", b"_forecast_bit_speed_rad_s", "_forecast_bit_speed_std_rad_s", b"_forecast_bit_speed_std_rad_s", "_forecast_bit_torque_nm", b"_forecast_bit_torque_nm", "_forecast_bit_torque_std_nm", b"_forecast_bit_torque_std_nm", "_forecast_time_ns", b"_forecast_time_ns", "_now_bit_speed_rad_s", b"_now_bit_speed_rad_s", "_now_bit_speed_std_rad_s", b"_now_bit_speed_std_rad_s", "_now_bit_torque_nm", b"_now_bit_torque_nm", "_now_bit_torque_std_nm", b"_now_bit_torque_std_nm", "_number", b"_number", "_quality", b"_quality", "_reasons", b"_reasons", "_stick_in_s", b"_stick_in_s", "_time_ns", b"_time_ns", "_top_speed_rad_s", b"_top_speed_rad_s", "_top_speed_std_rad_s", b"_top_speed_std_rad_s", "_top_torque_nm", b"_top_torque_nm", "_top_torque_std_nm", b"_top_torque_std_nm", "confirmed_bit_speed_rad_s", b"confirmed_bit_speed_rad_s", "confirmed_bit_speed_std_rad_s", b"confirmed_bit_speed_std_rad_s", "confirmed_bit_torque_nm", b"confirmed_bit_torque_nm", "confirmed_bit_torque_std_nm", b"confirmed_bit_torque_std_nm", "confirmed_time_ns", b"confirmed_time_ns", "forecast_bit_speed_rad_s", b"forecast_bit_speed_rad_s", "forecast_bit_speed_std_rad_s", b"forecast_bit_speed_std_rad_s", "forecast_bit_torque_nm", b"forecast_bit_torque_nm", "forecast_bit_torque_std_nm", b"forecast_bit_torque_std_nm", "forecast_time_ns", b"forecast_time_ns", "now_bit_speed_rad_s", b"now_bit_speed_rad_s", "now_bit_speed_std_rad_s", b"now_bit_speed_std_rad_s", "now_bit_torque_nm", b"now_bit_torque_nm", "now_bit_torque_std_nm", b"now_bit_torque_std_nm", "number", b"number", "quality", b"quality", "reasons", b"reasons", "stick_in_s", b"stick_in_s", "time_ns", b"time_ns", "top_speed_rad_s", b"top_speed_rad_s", "top_speed_std_rad_s", b"top_speed_std_rad_s", "top_torque_nm", b"top_torque_nm", "top_torque_std_nm", b"top_torque_std_nm"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_confirmed_bit_speed_rad_s", b"_confirmed_bit_speed_rad_s", "_confirmed_bit_speed_std_rad_s", b"_confirmed_bit_speed_std_rad_s", "_confirmed_bit_torque_nm", b"_confirmed_bit_torque_nm", "_confirmed_bit_torque_std_nm", b"_confirmed_bit_torque_std_nm", "_confirmed_time_ns", b"_confirmed_time_ns", "_forecast_bit_speed_rad_s", b"_forecast_bit_speed_rad_s", "_forecast_bit_speed_std_rad_s", b"_forecast_bit_speed_std_rad_s", "_forecast_bit_torque_nm", b"_forecast_bit_torque_nm", "_forecast_bit_torque_std_nm", b"_forecast_bit_torque_std_nm", "_forecast_time_ns", b"_forecast_time_ns", "_now_bit_speed_rad_s", b"_now_bit_speed_rad_s", "_now_bit_speed_std_rad_s", b"_now_bit_speed_std_rad_s", "_now_bit_torque_nm", b"_now_bit_torque_nm", "_now_bit_torque_std_nm", b"_now_bit_torque_std_nm", "_number", b"_number", "_quality", b"_quality", "_reasons", b"_reasons", "_time_ns", b"_time_ns", "confirmed_bit_speed_rad_s", b"confirmed_bit_speed_rad_s", "confirmed_bit_speed_std_rad_s", b"confirmed_bit_speed_std_rad_s", "confirmed_bit_torque_nm", b"confirmed_bit_torque_nm", "confirmed_bit_torque_std_nm", b"confirmed_bit_torque_std_nm", "confirmed_time_ns", b"confirmed_time_ns", "forecast_bit_speed_rad_s", b"forecast_bit_speed_rad_s", "forecast_bit_speed_std_rad_s", b"forecast_bit_speed_std_rad_s", "forecast_bit_torque_nm", b"forecast_bit_torque_nm", "forecast_bit_torque_std_nm", b"forecast_bit_torque_std_nm", "forecast_time_ns", b"forecast_time_ns", "now_bit_speed_rad_s", b"now_bit_speed_rad_s", "now_bit_speed_std_rad_s", b"now_bit_speed_std_rad_s", "now_bit_torque_nm", b"now_bit_torque_nm", "now_bit_torque_std_nm", b"now_bit_torque_std_nm", "number", b"number", "quality", b"quality", "reasons", b"reasons", "time_ns", b"time_ns"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_confirmed_bit_speed_rad_s", b"_confirmed_bit_speed_rad_s", "_confirmed_bit_speed_std_rad_s", b"_confirmed_bit_speed_std_rad_s", "_confirmed_bit_torque_nm", b"_confirmed_bit_torque_nm", "_confirmed_bit_torque_std_nm", b"_confirmed_bit_torque_std_nm", "_confirmed_time_ns", b"_confirmed_time_ns", "_forecast_bit_speed_rad_s", b"_forecast_bit_speed_rad_s", "_forecast_bit_speed_std_rad_s", b"_forecast_bit_speed_std_rad_s", "_forecast_bit_torque_nm", b"_forecast_bit_torque_nm", "_forecast_bit_torque_std_nm", b"_forecast_bit_torque_std_nm", "_forecast_time_ns", b"_forecast_time_ns", "_now_bit_speed_rad_s", b"_now_bit_speed_rad_s", "_now_bit_speed_std_rad_s", b"_now_bit_speed_std_rad_s", "_now_bit_torque_nm", b"_now_bit_torque_nm", "_now_bit_torque_std_nm", b"_now_bit_torque_std_nm", "_number", b"_number", "_quality", b"_quality", "_reasons", b"_reasons", "_stick_in_s", b"_stick_in_s", "_time_ns", b"_time_ns", "_top_speed_rad_s", b"_top_speed_rad_s", "_top_speed_std_rad_s", b"_top_speed_std_rad_s", "_top_torque_nm", b"_top_torque_nm", "_top_torque_std_nm", b"_top_torque_std_nm", "confirmed_bit_speed_rad_s", b"confirmed_bit_speed_rad_s", "confirmed_bit_speed_std_rad_s", b"confirmed_bit_speed_std_rad_s", "confirmed_bit_torque_nm", b"confirmed_bit_torque_nm", "confirmed_bit_torque_std_nm", b"confirmed_bit_torque_std_nm", "confirmed_time_ns", b"confirmed_time_ns", "forecast_bit_speed_rad_s", b"forecast_bit_speed_rad_s", "forecast_bit_speed_std_rad_s", b"forecast_bit_speed_std_rad_s", "forecast_bit_torque_nm", b"forecast_bit_torque_nm", "forecast_bit_torque_std_nm", b"forecast_bit_torque_std_nm", "forecast_time_ns", b"forecast_time_ns", "now_bit_speed_rad_s", b"now_bit_speed_rad_s", "now_bit_speed_std_rad_s", b"now_bit_speed_std_rad_s", "now_bit_torque_nm", b"now_bit_torque_nm", "now_bit_torque_std_nm", b"now_bit_torque_std_nm", "number", b"number", "quality", b"quality", "reasons", b"reasons", "stick_in_s", b"stick_in_s", "time_ns", b"time_ns", "top_speed_rad_s", b"top_speed_rad_s", "top_speed_std_rad_s", b"top_speed_std_rad_s", "top_torque_nm", b"top_torque_nm", "top_torque_std_nm", b"top_torque_std_nm"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__confirmed_bit_speed_rad_s: _TypeAlias = _typing.Literal["confirmed_bit_speed_rad_s"]  # noqa: Y015
     _WhichOneofArgType__confirmed_bit_speed_rad_s: _TypeAlias = _typing.Literal["_confirmed_bit_speed_rad_s", b"_confirmed_bit_speed_rad_s"]  # noqa: Y015
@@ -286,8 +319,18 @@ class Estimate(_message.Message):
     _WhichOneofArgType__quality: _TypeAlias = _typing.Literal["_quality", b"_quality"]  # noqa: Y015
     _WhichOneofReturnType__reasons: _TypeAlias = _typing.Literal["reasons"]  # noqa: Y015
     _WhichOneofArgType__reasons: _TypeAlias = _typing.Literal["_reasons", b"_reasons"]  # noqa: Y015
+    _WhichOneofReturnType__stick_in_s: _TypeAlias = _typing.Literal["stick_in_s"]  # noqa: Y015
+    _WhichOneofArgType__stick_in_s: _TypeAlias = _typing.Literal["_stick_in_s", b"_stick_in_s"]  # noqa: Y015
     _WhichOneofReturnType__time_ns: _TypeAlias = _typing.Literal["time_ns"]  # noqa: Y015
     _WhichOneofArgType__time_ns: _TypeAlias = _typing.Literal["_time_ns", b"_time_ns"]  # noqa: Y015
+    _WhichOneofReturnType__top_speed_rad_s: _TypeAlias = _typing.Literal["top_speed_rad_s"]  # noqa: Y015
+    _WhichOneofArgType__top_speed_rad_s: _TypeAlias = _typing.Literal["_top_speed_rad_s", b"_top_speed_rad_s"]  # noqa: Y015
+    _WhichOneofReturnType__top_speed_std_rad_s: _TypeAlias = _typing.Literal["top_speed_std_rad_s"]  # noqa: Y015
+    _WhichOneofArgType__top_speed_std_rad_s: _TypeAlias = _typing.Literal["_top_speed_std_rad_s", b"_top_speed_std_rad_s"]  # noqa: Y015
+    _WhichOneofReturnType__top_torque_nm: _TypeAlias = _typing.Literal["top_torque_nm"]  # noqa: Y015
+    _WhichOneofArgType__top_torque_nm: _TypeAlias = _typing.Literal["_top_torque_nm", b"_top_torque_nm"]  # noqa: Y015
+    _WhichOneofReturnType__top_torque_std_nm: _TypeAlias = _typing.Literal["top_torque_std_nm"]  # noqa: Y015
+    _WhichOneofArgType__top_torque_std_nm: _TypeAlias = _typing.Literal["_top_torque_std_nm", b"_top_torque_std_nm"]  # noqa: Y015
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__confirmed_bit_speed_rad_s) -> _WhichOneofReturnType__confirmed_bit_speed_rad_s | None: ...
     @_typing.overload
@@ -323,7 +366,17 @@ class Estimate(_message.Message):
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__reasons) -> _WhichOneofReturnType__reasons | None: ...
     @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__stick_in_s) -> _WhichOneofReturnType__stick_in_s | None: ...
+    @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__time_ns) -> _WhichOneofReturnType__time_ns | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__top_speed_rad_s) -> _WhichOneofReturnType__top_speed_rad_s | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__top_speed_std_rad_s) -> _WhichOneofReturnType__top_speed_std_rad_s | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__top_torque_nm) -> _WhichOneofReturnType__top_torque_nm | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__top_torque_std_nm) -> _WhichOneofReturnType__top_torque_std_nm | None: ...
 
 Global___Estimate: _TypeAlias = Estimate  # noqa: Y015
 
@@ -617,6 +670,20 @@ class Status(_message.Message):
     TOP_POWER_W_FIELD_NUMBER: _builtins.int
     BIT_POWER_W_FIELD_NUMBER: _builtins.int
     LOST_POWER_W_FIELD_NUMBER: _builtins.int
+    DELAY_CORRECTION_FIELD_NUMBER: _builtins.int
+    DELAY_CORRECTION_STD_FIELD_NUMBER: _builtins.int
+    INERTIA_CORRECTION_FIELD_NUMBER: _builtins.int
+    INERTIA_CORRECTION_STD_FIELD_NUMBER: _builtins.int
+    FRICTION_CORRECTION_FIELD_NUMBER: _builtins.int
+    FRICTION_CORRECTION_STD_FIELD_NUMBER: _builtins.int
+    STRING_LENGTH_M_FIELD_NUMBER: _builtins.int
+    OFF_BOTTOM_FIELD_NUMBER: _builtins.int
+    ROCK_STD_NM_FIELD_NUMBER: _builtins.int
+    BANDWIDTH_HZ_FIELD_NUMBER: _builtins.int
+    STICKS_FORETOLD_FIELD_NUMBER: _builtins.int
+    STICKS_MISSED_FIELD_NUMBER: _builtins.int
+    STICKS_FALSE_FIELD_NUMBER: _builtins.int
+    STICK_LEAD_S_FIELD_NUMBER: _builtins.int
     time_ns: _builtins.int
     """our clock"""
     rig: _builtins.str
@@ -667,6 +734,26 @@ class Status(_message.Message):
     """mean of torque · speed of the bit"""
     lost_power_w: _builtins.float
     """top less bit: lost along the string, and stored in it meanwhile"""
+    delay_correction: _builtins.float
+    """What the record has corrected of the configuration, as shares of it, and one standard deviation of the rest:"""
+    delay_correction_std: _builtins.float
+    inertia_correction: _builtins.float
+    """of the top drive"""
+    inertia_correction_std: _builtins.float
+    friction_correction: _builtins.float
+    """of the wall"""
+    friction_correction_std: _builtins.float
+    string_length_m: _builtins.float
+    off_bottom: _builtins.bool
+    rock_std_nm: _builtins.float
+    """standard deviation of the bit's torque about the load law"""
+    bandwidth_hz: _builtins.float
+    """up to here at least half of that is told by measurement"""
+    sticks_foretold: _builtins.int
+    """Sticks that were foretold and came, came unannounced, and were foretold in vain; mean time of warning."""
+    sticks_missed: _builtins.int
+    sticks_false: _builtins.int
+    stick_lead_s: _builtins.float
     @_builtins.property
     def channels(self) -> _containers.RepeatedCompositeFieldContainer[Global___ChannelStatus]: ...
     def __init__(
@@ -707,21 +794,49 @@ class Status(_message.Message):
         top_power_w: _builtins.float | None = ...,
         bit_power_w: _builtins.float | None = ...,
         lost_power_w: _builtins.float | None = ...,
+        delay_correction: _builtins.float | None = ...,
+        delay_correction_std: _builtins.float | None = ...,
+        inertia_correction: _builtins.float | None = ...,
+        inertia_correction_std: _builtins.float | None = ...,
+        friction_correction: _builtins.float | None = ...,
+        friction_correction_std: _builtins.float | None = ...,
+        string_length_m: _builtins.float | None = ...,
+        off_bottom: _builtins.bool | None = ...,
+        rock_std_nm: _builtins.float | None = ...,
+        bandwidth_hz: _builtins.float | None = ...,
+        sticks_foretold: _builtins.int | None = ...,
+        sticks_missed: _builtins.int | None = ...,
+        sticks_false: _builtins.int | None = ...,
+        stick_lead_s: _builtins.float | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_back_rotation_share", b"_back_rotation_share", "_back_rotation_turns", b"_back_rotation_turns", "_bit_power_w", b"_bit_power_w", "_confirmed_delay_s", b"_confirmed_delay_s", "_forecast_horizon_s", b"_forecast_horizon_s", "_lateness_p50_s", b"_lateness_p50_s", "_lateness_p99_s", b"_lateness_p99_s", "_law_kinetic_nm", b"_law_kinetic_nm", "_law_static_nm", b"_law_static_nm", "_law_stribeck_rad_s", b"_law_stribeck_rad_s", "_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad", "_lost_power_w", b"_lost_power_w", "_published", b"_published", "_rate_hz", b"_rate_hz", "_recorded", b"_recorded", "_recorder_dropped", b"_recorder_dropped", "_recording", b"_recording", "_restarts", b"_restarts", "_rig", b"_rig", "_severity", b"_severity", "_severity_window_s", b"_severity_window_s", "_slots_due", b"_slots_due", "_slots_run", b"_slots_run", "_slots_skipped", b"_slots_skipped", "_state", b"_state", "_stick_slip_period_s", b"_stick_slip_period_s", "_stuck_share", b"_stuck_share", "_ticks", b"_ticks", "_time_ns", b"_time_ns", "_top_power_w", b"_top_power_w", "_uptime_s", b"_uptime_s", "_version", b"_version", "_work_p50_s", b"_work_p50_s", "_work_p99_s", b"_work_p99_s", "back_rotation_share", b"back_rotation_share", "back_rotation_turns", b"back_rotation_turns", "bit_power_w", b"bit_power_w", "confirmed_delay_s", b"confirmed_delay_s", "forecast_horizon_s", b"forecast_horizon_s", "lateness_p50_s", b"lateness_p50_s", "lateness_p99_s", b"lateness_p99_s", "law_kinetic_nm", b"law_kinetic_nm", "law_static_nm", b"law_static_nm", "law_stribeck_rad_s", b"law_stribeck_rad_s", "law_viscous_nm_s_rad", b"law_viscous_nm_s_rad", "lost_power_w", b"lost_power_w", "published", b"published", "rate_hz", b"rate_hz", "recorded", b"recorded", "recorder_dropped", b"recorder_dropped", "recording", b"recording", "restarts", b"restarts", "rig", b"rig", "severity", b"severity", "severity_window_s", b"severity_window_s", "slots_due", b"slots_due", "slots_run", b"slots_run", "slots_skipped", b"slots_skipped", "state", b"state", "stick_slip_period_s", b"stick_slip_period_s", "stuck_share", b"stuck_share", "ticks", b"ticks", "time_ns", b"time_ns", "top_power_w", b"top_power_w", "uptime_s", b"uptime_s", "version", b"version", "work_p50_s", b"work_p50_s", "work_p99_s", b"work_p99_s"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_back_rotation_share", b"_back_rotation_share", "_back_rotation_turns", b"_back_rotation_turns", "_bandwidth_hz", b"_bandwidth_hz", "_bit_power_w", b"_bit_power_w", "_confirmed_delay_s", b"_confirmed_delay_s", "_delay_correction", b"_delay_correction", "_delay_correction_std", b"_delay_correction_std", "_forecast_horizon_s", b"_forecast_horizon_s", "_friction_correction", b"_friction_correction", "_friction_correction_std", b"_friction_correction_std", "_inertia_correction", b"_inertia_correction", "_inertia_correction_std", b"_inertia_correction_std", "_lateness_p50_s", b"_lateness_p50_s", "_lateness_p99_s", b"_lateness_p99_s", "_law_kinetic_nm", b"_law_kinetic_nm", "_law_static_nm", b"_law_static_nm", "_law_stribeck_rad_s", b"_law_stribeck_rad_s", "_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad", "_lost_power_w", b"_lost_power_w", "_off_bottom", b"_off_bottom", "_published", b"_published", "_rate_hz", b"_rate_hz", "_recorded", b"_recorded", "_recorder_dropped", b"_recorder_dropped", "_recording", b"_recording", "_restarts", b"_restarts", "_rig", b"_rig", "_rock_std_nm", b"_rock_std_nm", "_severity", b"_severity", "_severity_window_s", b"_severity_window_s", "_slots_due", b"_slots_due", "_slots_run", b"_slots_run", "_slots_skipped", b"_slots_skipped", "_state", b"_state", "_stick_lead_s", b"_stick_lead_s", "_stick_slip_period_s", b"_stick_slip_period_s", "_sticks_false", b"_sticks_false", "_sticks_foretold", b"_sticks_foretold", "_sticks_missed", b"_sticks_missed", "_string_length_m", b"_string_length_m", "_stuck_share", b"_stuck_share", "_ticks", b"_ticks", "_time_ns", b"_time_ns", "_top_power_w", b"_top_power_w", "_uptime_s", b"_uptime_s", "_version", b"_version", "_work_p50_s", b"_work_p50_s", "_work_p99_s", b"_work_p99_s", "back_rotation_share", b"back_rotation_share", "back_rotation_turns", b"back_rotation_turns", "bandwidth_hz", b"bandwidth_hz", "bit_power_w", b"bit_power_w", "confirmed_delay_s", b"confirmed_delay_s", "delay_correction", b"delay_correction", "delay_correction_std", b"delay_correction_std", "forecast_horizon_s", b"forecast_horizon_s", "friction_correction", b"friction_correction", "friction_correction_std", b"friction_correction_std", "inertia_correction", b"inertia_correction", "inertia_correction_std", b"inertia_correction_std", "lateness_p50_s", b"lateness_p50_s", "lateness_p99_s", b"lateness_p99_s", "law_kinetic_nm", b"law_kinetic_nm", "law_static_nm", b"law_static_nm", "law_stribeck_rad_s", b"law_stribeck_rad_s", "law_viscous_nm_s_rad", b"law_viscous_nm_s_rad", "lost_power_w", b"lost_power_w", "off_bottom", b"off_bottom", "published", b"published", "rate_hz", b"rate_hz", "recorded", b"recorded", "recorder_dropped", b"recorder_dropped", "recording", b"recording", "restarts", b"restarts", "rig", b"rig", "rock_std_nm", b"rock_std_nm", "severity", b"severity", "severity_window_s", b"severity_window_s", "slots_due", b"slots_due", "slots_run", b"slots_run", "slots_skipped", b"slots_skipped", "state", b"state", "stick_lead_s", b"stick_lead_s", "stick_slip_period_s", b"stick_slip_period_s", "sticks_false", b"sticks_false", "sticks_foretold", b"sticks_foretold", "sticks_missed", b"sticks_missed", "string_length_m", b"string_length_m", "stuck_share", b"stuck_share", "ticks", b"ticks", "time_ns", b"time_ns", "top_power_w", b"top_power_w", "uptime_s", b"uptime_s", "version", b"version", "work_p50_s", b"work_p50_s", "work_p99_s", b"work_p99_s"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_back_rotation_share", b"_back_rotation_share", "_back_rotation_turns", b"_back_rotation_turns", "_bit_power_w", b"_bit_power_w", "_confirmed_delay_s", b"_confirmed_delay_s", "_forecast_horizon_s", b"_forecast_horizon_s", "_lateness_p50_s", b"_lateness_p50_s", "_lateness_p99_s", b"_lateness_p99_s", "_law_kinetic_nm", b"_law_kinetic_nm", "_law_static_nm", b"_law_static_nm", "_law_stribeck_rad_s", b"_law_stribeck_rad_s", "_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad", "_lost_power_w", b"_lost_power_w", "_published", b"_published", "_rate_hz", b"_rate_hz", "_recorded", b"_recorded", "_recorder_dropped", b"_recorder_dropped", "_recording", b"_recording", "_restarts", b"_restarts", "_rig", b"_rig", "_severity", b"_severity", "_severity_window_s", b"_severity_window_s", "_slots_due", b"_slots_due", "_slots_run", b"_slots_run", "_slots_skipped", b"_slots_skipped", "_state", b"_state", "_stick_slip_period_s", b"_stick_slip_period_s", "_stuck_share", b"_stuck_share", "_ticks", b"_ticks", "_time_ns", b"_time_ns", "_top_power_w", b"_top_power_w", "_uptime_s", b"_uptime_s", "_version", b"_version", "_work_p50_s", b"_work_p50_s", "_work_p99_s", b"_work_p99_s", "back_rotation_share", b"back_rotation_share", "back_rotation_turns", b"back_rotation_turns", "bit_power_w", b"bit_power_w", "channels", b"channels", "confirmed_delay_s", b"confirmed_delay_s", "forecast_horizon_s", b"forecast_horizon_s", "lateness_p50_s", b"lateness_p50_s", "lateness_p99_s", b"lateness_p99_s", "law_kinetic_nm", b"law_kinetic_nm", "law_static_nm", b"law_static_nm", "law_stribeck_rad_s", b"law_stribeck_rad_s", "law_viscous_nm_s_rad", b"law_viscous_nm_s_rad", "lost_power_w", b"lost_power_w", "published", b"published", "rate_hz", b"rate_hz", "recorded", b"recorded", "recorder_dropped", b"recorder_dropped", "recording", b"recording", "restarts", b"restarts", "rig", b"rig", "severity", b"severity", "severity_window_s", b"severity_window_s", "slots_due", b"slots_due", "slots_run", b"slots_run", "slots_skipped", b"slots_skipped", "state", b"state", "stick_slip_period_s", b"stick_slip_period_s", "stuck_share", b"stuck_share", "ticks", b"ticks", "time_ns", b"time_ns", "top_power_w", b"top_power_w", "uptime_s", b"uptime_s", "version", b"version", "work_p50_s", b"work_p50_s", "work_p99_s", b"work_p99_s"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_back_rotation_share", b"_back_rotation_share", "_back_rotation_turns", b"_back_rotation_turns", "_bandwidth_hz", b"_bandwidth_hz", "_bit_power_w", b"_bit_power_w", "_confirmed_delay_s", b"_confirmed_delay_s", "_delay_correction", b"_delay_correction", "_delay_correction_std", b"_delay_correction_std", "_forecast_horizon_s", b"_forecast_horizon_s", "_friction_correction", b"_friction_correction", "_friction_correction_std", b"_friction_correction_std", "_inertia_correction", b"_inertia_correction", "_inertia_correction_std", b"_inertia_correction_std", "_lateness_p50_s", b"_lateness_p50_s", "_lateness_p99_s", b"_lateness_p99_s", "_law_kinetic_nm", b"_law_kinetic_nm", "_law_static_nm", b"_law_static_nm", "_law_stribeck_rad_s", b"_law_stribeck_rad_s", "_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad", "_lost_power_w", b"_lost_power_w", "_off_bottom", b"_off_bottom", "_published", b"_published", "_rate_hz", b"_rate_hz", "_recorded", b"_recorded", "_recorder_dropped", b"_recorder_dropped", "_recording", b"_recording", "_restarts", b"_restarts", "_rig", b"_rig", "_rock_std_nm", b"_rock_std_nm", "_severity", b"_severity", "_severity_window_s", b"_severity_window_s", "_slots_due", b"_slots_due", "_slots_run", b"_slots_run", "_slots_skipped", b"_slots_skipped", "_state", b"_state", "_stick_lead_s", b"_stick_lead_s", "_stick_slip_period_s", b"_stick_slip_period_s", "_sticks_false", b"_sticks_false", "_sticks_foretold", b"_sticks_foretold", "_sticks_missed", b"_sticks_missed", "_string_length_m", b"_string_length_m", "_stuck_share", b"_stuck_share", "_ticks", b"_ticks", "_time_ns", b"_time_ns", "_top_power_w", b"_top_power_w", "_uptime_s", b"_uptime_s", "_version", b"_version", "_work_p50_s", b"_work_p50_s", "_work_p99_s", b"_work_p99_s", "back_rotation_share", b"back_rotation_share", "back_rotation_turns", b"back_rotation_turns", "bandwidth_hz", b"bandwidth_hz", "bit_power_w", b"bit_power_w", "channels", b"channels", "confirmed_delay_s", b"confirmed_delay_s", "delay_correction", b"delay_correction", "delay_correction_std", b"delay_correction_std", "forecast_horizon_s", b"forecast_horizon_s", "friction_correction", b"friction_correction", "friction_correction_std", b"friction_correction_std", "inertia_correction", b"inertia_correction", "inertia_correction_std", b"inertia_correction_std", "lateness_p50_s", b"lateness_p50_s", "lateness_p99_s", b"lateness_p99_s", "law_kinetic_nm", b"law_kinetic_nm", "law_static_nm", b"law_static_nm", "law_stribeck_rad_s", b"law_stribeck_rad_s", "law_viscous_nm_s_rad", b"law_viscous_nm_s_rad", "lost_power_w", b"lost_power_w", "off_bottom", b"off_bottom", "published", b"published", "rate_hz", b"rate_hz", "recorded", b"recorded", "recorder_dropped", b"recorder_dropped", "recording", b"recording", "restarts", b"restarts", "rig", b"rig", "rock_std_nm", b"rock_std_nm", "severity", b"severity", "severity_window_s", b"severity_window_s", "slots_due", b"slots_due", "slots_run", b"slots_run", "slots_skipped", b"slots_skipped", "state", b"state", "stick_lead_s", b"stick_lead_s", "stick_slip_period_s", b"stick_slip_period_s", "sticks_false", b"sticks_false", "sticks_foretold", b"sticks_foretold", "sticks_missed", b"sticks_missed", "string_length_m", b"string_length_m", "stuck_share", b"stuck_share", "ticks", b"ticks", "time_ns", b"time_ns", "top_power_w", b"top_power_w", "uptime_s", b"uptime_s", "version", b"version", "work_p50_s", b"work_p50_s", "work_p99_s", b"work_p99_s"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__back_rotation_share: _TypeAlias = _typing.Literal["back_rotation_share"]  # noqa: Y015
     _WhichOneofArgType__back_rotation_share: _TypeAlias = _typing.Literal["_back_rotation_share", b"_back_rotation_share"]  # noqa: Y015
     _WhichOneofReturnType__back_rotation_turns: _TypeAlias = _typing.Literal["back_rotation_turns"]  # noqa: Y015
     _WhichOneofArgType__back_rotation_turns: _TypeAlias = _typing.Literal["_back_rotation_turns", b"_back_rotation_turns"]  # noqa: Y015
+    _WhichOneofReturnType__bandwidth_hz: _TypeAlias = _typing.Literal["bandwidth_hz"]  # noqa: Y015
+    _WhichOneofArgType__bandwidth_hz: _TypeAlias = _typing.Literal["_bandwidth_hz", b"_bandwidth_hz"]  # noqa: Y015
     _WhichOneofReturnType__bit_power_w: _TypeAlias = _typing.Literal["bit_power_w"]  # noqa: Y015
     _WhichOneofArgType__bit_power_w: _TypeAlias = _typing.Literal["_bit_power_w", b"_bit_power_w"]  # noqa: Y015
     _WhichOneofReturnType__confirmed_delay_s: _TypeAlias = _typing.Literal["confirmed_delay_s"]  # noqa: Y015
     _WhichOneofArgType__confirmed_delay_s: _TypeAlias = _typing.Literal["_confirmed_delay_s", b"_confirmed_delay_s"]  # noqa: Y015
+    _WhichOneofReturnType__delay_correction: _TypeAlias = _typing.Literal["delay_correction"]  # noqa: Y015
+    _WhichOneofArgType__delay_correction: _TypeAlias = _typing.Literal["_delay_correction", b"_delay_correction"]  # noqa: Y015
+    _WhichOneofReturnType__delay_correction_std: _TypeAlias = _typing.Literal["delay_correction_std"]  # noqa: Y015
+    _WhichOneofArgType__delay_correction_std: _TypeAlias = _typing.Literal["_delay_correction_std", b"_delay_correction_std"]  # noqa: Y015
     _WhichOneofReturnType__forecast_horizon_s: _TypeAlias = _typing.Literal["forecast_horizon_s"]  # noqa: Y015
     _WhichOneofArgType__forecast_horizon_s: _TypeAlias = _typing.Literal["_forecast_horizon_s", b"_forecast_horizon_s"]  # noqa: Y015
+    _WhichOneofReturnType__friction_correction: _TypeAlias = _typing.Literal["friction_correction"]  # noqa: Y015
+    _WhichOneofArgType__friction_correction: _TypeAlias = _typing.Literal["_friction_correction", b"_friction_correction"]  # noqa: Y015
+    _WhichOneofReturnType__friction_correction_std: _TypeAlias = _typing.Literal["friction_correction_std"]  # noqa: Y015
+    _WhichOneofArgType__friction_correction_std: _TypeAlias = _typing.Literal["_friction_correction_std", b"_friction_correction_std"]  # noqa: Y015
+    _WhichOneofReturnType__inertia_correction: _TypeAlias = _typing.Literal["inertia_correction"]  # noqa: Y015
+    _WhichOneofArgType__inertia_correction: _TypeAlias = _typing.Literal["_inertia_correction", b"_inertia_correction"]  # noqa: Y015
+    _WhichOneofReturnType__inertia_correction_std: _TypeAlias = _typing.Literal["inertia_correction_std"]  # noqa: Y015
+    _WhichOneofArgType__inertia_correction_std: _TypeAlias = _typing.Literal["_inertia_correction_std", b"_inertia_correction_std"]  # noqa: Y015
     _WhichOneofReturnType__lateness_p50_s: _TypeAlias = _typing.Literal["lateness_p50_s"]  # noqa: Y015
     _WhichOneofArgType__lateness_p50_s: _TypeAlias = _typing.Literal["_lateness_p50_s", b"_lateness_p50_s"]  # noqa: Y015
     _WhichOneofReturnType__lateness_p99_s: _TypeAlias = _typing.Literal["lateness_p99_s"]  # noqa: Y015
@@ -736,6 +851,8 @@ class Status(_message.Message):
     _WhichOneofArgType__law_viscous_nm_s_rad: _TypeAlias = _typing.Literal["_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad"]  # noqa: Y015
     _WhichOneofReturnType__lost_power_w: _TypeAlias = _typing.Literal["lost_power_w"]  # noqa: Y015
     _WhichOneofArgType__lost_power_w: _TypeAlias = _typing.Literal["_lost_power_w", b"_lost_power_w"]  # noqa: Y015
+    _WhichOneofReturnType__off_bottom: _TypeAlias = _typing.Literal["off_bottom"]  # noqa: Y015
+    _WhichOneofArgType__off_bottom: _TypeAlias = _typing.Literal["_off_bottom", b"_off_bottom"]  # noqa: Y015
     _WhichOneofReturnType__published: _TypeAlias = _typing.Literal["published"]  # noqa: Y015
     _WhichOneofArgType__published: _TypeAlias = _typing.Literal["_published", b"_published"]  # noqa: Y015
     _WhichOneofReturnType__rate_hz: _TypeAlias = _typing.Literal["rate_hz"]  # noqa: Y015
@@ -750,6 +867,8 @@ class Status(_message.Message):
     _WhichOneofArgType__restarts: _TypeAlias = _typing.Literal["_restarts", b"_restarts"]  # noqa: Y015
     _WhichOneofReturnType__rig: _TypeAlias = _typing.Literal["rig"]  # noqa: Y015
     _WhichOneofArgType__rig: _TypeAlias = _typing.Literal["_rig", b"_rig"]  # noqa: Y015
+    _WhichOneofReturnType__rock_std_nm: _TypeAlias = _typing.Literal["rock_std_nm"]  # noqa: Y015
+    _WhichOneofArgType__rock_std_nm: _TypeAlias = _typing.Literal["_rock_std_nm", b"_rock_std_nm"]  # noqa: Y015
     _WhichOneofReturnType__severity: _TypeAlias = _typing.Literal["severity"]  # noqa: Y015
     _WhichOneofArgType__severity: _TypeAlias = _typing.Literal["_severity", b"_severity"]  # noqa: Y015
     _WhichOneofReturnType__severity_window_s: _TypeAlias = _typing.Literal["severity_window_s"]  # noqa: Y015
@@ -762,8 +881,18 @@ class Status(_message.Message):
     _WhichOneofArgType__slots_skipped: _TypeAlias = _typing.Literal["_slots_skipped", b"_slots_skipped"]  # noqa: Y015
     _WhichOneofReturnType__state: _TypeAlias = _typing.Literal["state"]  # noqa: Y015
     _WhichOneofArgType__state: _TypeAlias = _typing.Literal["_state", b"_state"]  # noqa: Y015
+    _WhichOneofReturnType__stick_lead_s: _TypeAlias = _typing.Literal["stick_lead_s"]  # noqa: Y015
+    _WhichOneofArgType__stick_lead_s: _TypeAlias = _typing.Literal["_stick_lead_s", b"_stick_lead_s"]  # noqa: Y015
     _WhichOneofReturnType__stick_slip_period_s: _TypeAlias = _typing.Literal["stick_slip_period_s"]  # noqa: Y015
     _WhichOneofArgType__stick_slip_period_s: _TypeAlias = _typing.Literal["_stick_slip_period_s", b"_stick_slip_period_s"]  # noqa: Y015
+    _WhichOneofReturnType__sticks_false: _TypeAlias = _typing.Literal["sticks_false"]  # noqa: Y015
+    _WhichOneofArgType__sticks_false: _TypeAlias = _typing.Literal["_sticks_false", b"_sticks_false"]  # noqa: Y015
+    _WhichOneofReturnType__sticks_foretold: _TypeAlias = _typing.Literal["sticks_foretold"]  # noqa: Y015
+    _WhichOneofArgType__sticks_foretold: _TypeAlias = _typing.Literal["_sticks_foretold", b"_sticks_foretold"]  # noqa: Y015
+    _WhichOneofReturnType__sticks_missed: _TypeAlias = _typing.Literal["sticks_missed"]  # noqa: Y015
+    _WhichOneofArgType__sticks_missed: _TypeAlias = _typing.Literal["_sticks_missed", b"_sticks_missed"]  # noqa: Y015
+    _WhichOneofReturnType__string_length_m: _TypeAlias = _typing.Literal["string_length_m"]  # noqa: Y015
+    _WhichOneofArgType__string_length_m: _TypeAlias = _typing.Literal["_string_length_m", b"_string_length_m"]  # noqa: Y015
     _WhichOneofReturnType__stuck_share: _TypeAlias = _typing.Literal["stuck_share"]  # noqa: Y015
     _WhichOneofArgType__stuck_share: _TypeAlias = _typing.Literal["_stuck_share", b"_stuck_share"]  # noqa: Y015
     _WhichOneofReturnType__ticks: _TypeAlias = _typing.Literal["ticks"]  # noqa: Y015
@@ -785,11 +914,25 @@ class Status(_message.Message):
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__back_rotation_turns) -> _WhichOneofReturnType__back_rotation_turns | None: ...
     @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__bandwidth_hz) -> _WhichOneofReturnType__bandwidth_hz | None: ...
+    @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__bit_power_w) -> _WhichOneofReturnType__bit_power_w | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__confirmed_delay_s) -> _WhichOneofReturnType__confirmed_delay_s | None: ...
     @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__delay_correction) -> _WhichOneofReturnType__delay_correction | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__delay_correction_std) -> _WhichOneofReturnType__delay_correction_std | None: ...
+    @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__forecast_horizon_s) -> _WhichOneofReturnType__forecast_horizon_s | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__friction_correction) -> _WhichOneofReturnType__friction_correction | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__friction_correction_std) -> _WhichOneofReturnType__friction_correction_std | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__inertia_correction) -> _WhichOneofReturnType__inertia_correction | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__inertia_correction_std) -> _WhichOneofReturnType__inertia_correction_std | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__lateness_p50_s) -> _WhichOneofReturnType__lateness_p50_s | None: ...
     @_typing.overload
@@ -805,6 +948,8 @@ class Status(_message.Message):
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__lost_power_w) -> _WhichOneofReturnType__lost_power_w | None: ...
     @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__off_bottom) -> _WhichOneofReturnType__off_bottom | None: ...
+    @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__published) -> _WhichOneofReturnType__published | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__rate_hz) -> _WhichOneofReturnType__rate_hz | None: ...
@@ -819,6 +964,8 @@ class Status(_message.Message):
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__rig) -> _WhichOneofReturnType__rig | None: ...
     @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__rock_std_nm) -> _WhichOneofReturnType__rock_std_nm | None: ...
+    @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__severity) -> _WhichOneofReturnType__severity | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__severity_window_s) -> _WhichOneofReturnType__severity_window_s | None: ...
@@ -831,7 +978,17 @@ class Status(_message.Message):
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__state) -> _WhichOneofReturnType__state | None: ...
     @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__stick_lead_s) -> _WhichOneofReturnType__stick_lead_s | None: ...
+    @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__stick_slip_period_s) -> _WhichOneofReturnType__stick_slip_period_s | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__sticks_false) -> _WhichOneofReturnType__sticks_false | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__sticks_foretold) -> _WhichOneofReturnType__sticks_foretold | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__sticks_missed) -> _WhichOneofReturnType__sticks_missed | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__string_length_m) -> _WhichOneofReturnType__string_length_m | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__stuck_share) -> _WhichOneofReturnType__stuck_share | None: ...
     @_typing.overload

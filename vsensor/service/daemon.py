@@ -3,12 +3,12 @@
 import gc
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Protocol
 
 import zenoh
 
-from vsensor.bus import Outbox, Received, SurfaceInbox
+from vsensor.bus import Commands, Outbox, Received, SurfaceInbox
 from vsensor.config import Rig
 from vsensor.messages import (
     BIT_ESTIMATE,
@@ -27,6 +27,7 @@ from vsensor.messages import (
     Status,
     Tick,
 )
+from vsensor.service.commands import obey
 from vsensor.service.engine import Engine
 from vsensor.service.health import Health, Recorded
 from vsensor.service.pace import Pace, Slot
@@ -58,7 +59,7 @@ class Daemon:
         self._outbox = Outbox(session, rig.prefix, reliable=False)
         self._watch = Watch(rig, engine.estimator.confirmed_delay)
         self._profiler = Profiler(rig, engine.estimator)
-        self.health = Health(rig, engine)
+        self.health = Health(rig, engine, self._watch.sticks)
         self.status = self.health.status("starting", recorder)
         self._per_second = round(rig.loop.rate)
         self.fault = ""
@@ -66,6 +67,7 @@ class Daemon:
         self._owed = 0
         self._owed_until = 0
         self._queryable = session.declare_queryable(f"{rig.prefix}/{SENSOR_STATUS}", self._reply)
+        self._commands = Commands(session, rig.prefix)
         self._alive = session.liveliness().declare_token(f"{rig.prefix}/{SENSOR_ALIVE}")
 
     def run(self, pace: Pace, told: Callable[[Status], None], stopped: Callable[[], bool]) -> None:
@@ -92,12 +94,11 @@ class Daemon:
 
     def _turn(self, slot: Slot) -> None:
         self._count_owed(slot)
+        self._commands.answer(lambda words: obey(words, self._engine.intake.depths))
         for received in self._inbox.drain():
             if received.fault:
                 self.fault = f"{received.topic}: a sample {received.fault}"
             self._record_received(received)
-            if received.topic not in self._engine.intake.channels:
-                continue
             for tick, estimate in self._engine.take(received.topic, received.sample):
                 tick.slot, tick.lateness_ns, tick.caught_up = slot.number, slot.lateness_ns, self._owed > 0
                 self._owed = max(self._owed - 1, 0)
@@ -119,19 +120,26 @@ class Daemon:
         if estimate.HasField("now_bit_speed_rad_s"):
             self._publish(BIT_SPEED, _as_sensor(estimate, "now_bit_speed", "rad_s"), tick.time_ns)
             self._publish(BIT_TORQUE, _as_sensor(estimate, "now_bit_torque", "nm"), tick.time_ns)
-        if event := self._watch.tick(tick, estimate):
+        for event in self._watch.tick(tick, estimate):
             self._tell(event)
         if profile := self._profiler.look(estimate):
             self._publish(STRING_PROFILE, profile, profile.time_ns)
-            if event := self._watch.profile(profile):
-                self._tell(event)
+            if (over := self._watch.profile(profile)) is not None:
+                self._tell(over)
         self.health.published += 1
 
     def _each_second(self) -> None:
-        for event in self._watch.second(self.health.severity, self.health.input_lost):
+        for event in self._each_second_seen():
             self._tell(event)
         self.status = self.health.status(self._state(), self._recorder)
         self._publish(SENSOR_STATUS, self.status, self.status.time_ns)
+
+    def _each_second_seen(self) -> Iterator[Event]:
+        yield from self._watch.second(self.health.severity, self.health.input_lost)
+        if event := self._watch.corrections(*self._engine.estimator.tuning.tolist()):
+            yield event
+        if event := self._watch.depths(self._engine.intake.depths):
+            yield event
 
     def _state(self) -> str:
         if self.health.input_lost:

@@ -8,22 +8,34 @@ import numpy as np
 from vsensor.config import Rig
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.figures import ROWS
-from vsensor.estimator.kernel import CONFIRMED, FORECAST, NOW, SPEED, SPEED_STD, TORQUE, TORQUE_STD
+from vsensor.estimator.kernel import (
+    CONFIRMED,
+    FORECAST,
+    NOW,
+    OFF_BOTTOM,
+    SPEED,
+    SPEED_STD,
+    STICK,
+    TOP,
+    TORQUE,
+    TORQUE_STD,
+)
 from vsensor.estimator.sections import Floats
 from vsensor.intake import NS, Input, Intake
 from vsensor.messages import Estimate, Sample, Tick
 from vsensor.messages.vsensor_pb2 import Quality as QualityMessage
 from vsensor.quality import Reason, verdict
 
-_FIELDS = tuple(
-    (f"{kind}_bit_{what}", at + column)
-    for kind, at in (("confirmed", CONFIRMED), ("now", NOW), ("forecast", FORECAST))
-    for what, column in (
-        ("speed_rad_s", SPEED),
-        ("speed_std_rad_s", SPEED_STD),
-        ("torque_nm", TORQUE),
-        ("torque_std_nm", TORQUE_STD),
-    )
+_KINDS = (("confirmed_bit", CONFIRMED), ("now_bit", NOW), ("forecast_bit", FORECAST), ("top", TOP))
+_QUANTITIES = (
+    ("speed_rad_s", SPEED),
+    ("speed_std_rad_s", SPEED_STD),
+    ("torque_nm", TORQUE),
+    ("torque_std_nm", TORQUE_STD),
+)
+_FIELDS = (
+    *((f"{kind}_{what}", at + column) for kind, at in _KINDS for what, column in _QUANTITIES),
+    ("stick_in_s", STICK),
 )
 
 
@@ -33,8 +45,6 @@ class Engine:
     def __init__(self, rig: Rig) -> None:
         self.intake = Intake(rig)
         self.estimator = Estimator(rig)
-        self._delay_ns = round(self.estimator.confirmed_delay * NS)
-        self._horizon_ns = round(self.estimator.forecast_horizon * NS)
         self.recent = np.full((ROWS, max(1, round(rig.estimator.severity_window * rig.loop.rate))), np.nan)
         """The bit as confirmed in the last ticks, and the top at its time, in no order; rows: `figures`."""
         self._newest = 0
@@ -61,7 +71,10 @@ class Engine:
         if tick.number == 0:
             self.estimator.restart()
             self.recent[:] = math.nan
-        values, reasons = self.estimator.step(tick.motor_torque_nm, tick.motor_speed_rad_s, tick.reasons)
+        if tick.longer_by_m:
+            self.estimator.lengthen(tick.longer_by_m)
+        flags = tick.reasons | (OFF_BOTTOM if tick.off_bottom else 0)
+        values, reasons = self.estimator.step(tick.motor_torque_nm, tick.motor_speed_rad_s, flags)
         self._warm = not reasons & Reason.WARMING_UP
         self._newest = tick.number % self.recent.shape[1]
         bit = values[CONFIRMED + SPEED], values[CONFIRMED + TORQUE]
@@ -75,18 +88,22 @@ class Engine:
             if not math.isnan(value := float(values[at])):
                 setattr(estimate, name, value)
         if estimate.HasField("confirmed_bit_speed_rad_s"):
-            estimate.confirmed_time_ns = tick.time_ns - self._delay_ns
+            estimate.confirmed_time_ns = tick.time_ns - round(self.estimator.confirmed_delay * NS)
         if estimate.HasField("forecast_bit_speed_rad_s"):
-            estimate.forecast_time_ns = tick.time_ns + self._horizon_ns
+            estimate.forecast_time_ns = tick.time_ns + round(self.estimator.forecast_horizon * NS)
         return estimate
 
 
 def tick_of(given: Input) -> Tick:
     """The record of an input, exact enough to run it again."""
-    return Tick(
+    tick = Tick(
         number=given.number,
         time_ns=given.time_ns,
         motor_torque_nm=given.motor_torque,
         motor_speed_rad_s=given.motor_speed,
         reasons=given.reasons,
+        off_bottom=given.off_bottom,
     )
+    if given.longer_by:
+        tick.longer_by_m = given.longer_by
+    return tick

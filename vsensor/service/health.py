@@ -14,6 +14,7 @@ from vsensor.intake import NS
 from vsensor.messages import ChannelStatus, Status
 from vsensor.service.engine import Engine
 from vsensor.service.pace import Slot
+from vsensor.service.sticks import Sticks
 
 SILENCE_NS = NS
 """No sample on one of the channels for so long, by our own clock, and the input is lost."""
@@ -33,9 +34,10 @@ class Recorded(Protocol):
 class Health:
     """Counts of the loop, and of the second that runs."""
 
-    def __init__(self, rig: Rig, engine: Engine) -> None:
+    def __init__(self, rig: Rig, engine: Engine, sticks: Sticks) -> None:
         self._rig = rig
         self._engine = engine
+        self._sticks = sticks
         self._started_ns = time.monotonic_ns()
         self._accepted = dict.fromkeys(engine.intake.channels, 0)
         self._heard_ns: dict[str, int] = {}
@@ -101,6 +103,7 @@ class Health:
             law_static_nm=estimator.law.static_torque,
             law_stribeck_rad_s=estimator.law.stribeck_speed,
         )
+        self._tell_of_estimator(status)
         if self._lateness_ns:
             status.lateness_p50_s, status.lateness_p99_s = _percentiles(self._lateness_ns)
         if self._work_ns:
@@ -118,6 +121,22 @@ class Health:
         self._lateness_ns.clear()
         self._work_ns.clear()
         return status
+
+    def _tell_of_estimator(self, status: Status) -> None:
+        estimator = self._engine.estimator
+        corrections = zip(estimator.tuning.tolist(), estimator.tuning_std.tolist(), strict=True)
+        (status.delay_correction, status.delay_correction_std) = next(corrections)
+        (status.inertia_correction, status.inertia_correction_std) = next(corrections)
+        (status.friction_correction, status.friction_correction_std) = next(corrections)
+        status.string_length_m = self._engine.intake.depths.length
+        status.off_bottom = self._engine.intake.depths.off_bottom
+        status.rock_std_nm = estimator.rock_std
+        status.bandwidth_hz = estimator.bandwidth
+        status.sticks_foretold = self._sticks.foretold
+        status.sticks_missed = self._sticks.missed
+        status.sticks_false = self._sticks.false
+        if self._sticks.foretold:
+            status.stick_lead_s = self._sticks.lead_s
 
     def _channels(self) -> Iterable[ChannelStatus]:
         now = time.monotonic_ns()

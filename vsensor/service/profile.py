@@ -20,16 +20,20 @@ class Profiler:
     """Makes profiles of one rig's string from what its estimator knows."""
 
     def __init__(self, rig: Rig, estimator: Estimator) -> None:
+        self._rig = rig
         self._estimator = estimator
         self._every = max(1, round(rig.loop.rate / RATE_HZ))
-        at = estimator.stations
+        self._lay_out()
+
+    def _lay_out(self) -> None:
+        at, string = self._estimator.stations, self._estimator.string
+        self._laid_out = at
         self._share = at.depth / at.depth[-1]
-        parts = [rig.string[number] for number in at.component]
-        # Of mud and of the weight on the bit nothing is configured: in air, off bottom, tension is greatest.
-        limits = [
-            torsional_limit(part, tension)
-            for part, tension in zip(parts, hanging_weight(rig.string, at.depth), strict=True)
-        ]
+        parts = [string[number] for number in at.component]
+        # Off bottom and straight down tension is greatest: on the safe side in any well.
+        mud = self._rig.wellbore.mud_density if self._rig.wellbore else 0.0
+        tensions = hanging_weight(string, at.depth, mud).tolist()
+        limits = [torsional_limit(part, tension) for part, tension in zip(parts, tensions, strict=True)]
         self._names = [part.name for part in parts]
         self._limited_by = [limit.by if limit else "" for limit in limits]
         self._limit = np.array([limit.torque if limit else math.nan for limit in limits])
@@ -39,6 +43,8 @@ class Profiler:
         """The profile at the estimate's confirmed time; None where none is due, or nothing known."""
         if estimate.number % self._every or not estimate.HasField("confirmed_bit_speed_std_rad_s"):
             return None
+        if self._estimator.stations is not self._laid_out:  # the string was made longer
+            self._lay_out()
         speed, torque = self._estimator.profile()
         speed_noise, torque_noise = self._estimator.noise
         speed_std = self._widened(SPEED, estimate.confirmed_bit_speed_std_rad_s, float(speed_noise))

@@ -4,18 +4,20 @@ import math
 from collections import deque
 
 from vsensor.config import Rig
+from vsensor.depth import Depths
 from vsensor.estimator.figures import STUCK_SPEED
 from vsensor.intake import NS
 from vsensor.messages import Estimate, Event, Profile, Tick
 from vsensor.messages.vsensor_pb2 import BAD
+from vsensor.service.sticks import Sticks
 
 STUCK_S = 0.3
 """A bit that is slower than STUCK_SPEED for at least so long, while the surface turns twice as fast, is
 stuck: shorter stops are the turning points of an oscillation."""
 STICK_SLIP = 1.0
 """Severity from which the bit stops in each period."""
-
-
+STANDING_S = 15.0
+"""A string that has stood still for so long hangs in slips: a bit's stick is over sooner."""
 RELIEVED = 0.05
 """Over-torque ends once the least margin is this again: noise on the torque does not end and begin it."""
 
@@ -40,6 +42,7 @@ class Watch:
     """All conditions of one rig; a tick's confirmed answer is for `confirmed_delay` (s) before it."""
 
     def __init__(self, rig: Rig, confirmed_delay: float) -> None:
+        self.sticks = Sticks(rig)
         self._input = Condition(
             "input_lost", "a surface channel is silent", "both surface channels speak again"
         )
@@ -56,18 +59,40 @@ class Watch:
             "a component bears more torque than it may: ",
             "no component bears more torque than it may: ",
         )
+        self._off_bottom = Condition("off_bottom", "the bit is off bottom", "the bit is on bottom")
+        self._connection = Condition(
+            "connection", "the string stands still, as for a connection", "the string turns again"
+        )
+        self._depths = Condition(
+            "depths_at_odds",
+            "the bit's depth and the string's length differ by more than a connection could: ",
+            "the bit's depth and the string's length agree again: ",
+        )
         self._turning = 2 * STUCK_SPEED * rig.top_drive.gear_ratio
         self._surface: deque[float] = deque(maxlen=round(confirmed_delay * rig.loop.rate) + 1)
         """Motor speed, from the time of the confirmed answer on: surface and bit are compared at one time."""
         self._slow_since_ns: int | None = None
+        self._turned_ns: int | None = None
+        self._tuning: tuple[float, ...] = (0.0, 0.0, 0.0)
         self._last_ns = 0
 
-    def tick(self, tick: Tick, estimate: Estimate) -> Event | None:
-        """Look at one tick: is the bit stuck?"""
+    def tick(self, tick: Tick, estimate: Estimate) -> list[Event]:
+        """Look at one tick: what does the bit do, and what was done to the string?"""
         self._last_ns = tick.time_ns
         if tick.number == 0:
             self._surface.clear()
+            self.sticks.forget()
         self._surface.append(tick.motor_speed_rad_s)
+        seen = (
+            self._look_at_bit(tick, estimate),
+            self._look_at_string(tick),
+            self._off_bottom.see(tick.off_bottom, tick.time_ns),
+            self._look_for_connection(tick),
+            self._look_ahead(estimate),
+        )
+        return [event for event in seen if event is not None]
+
+    def _look_at_bit(self, tick: Tick, estimate: Estimate) -> Event | None:
         known = estimate.HasField("confirmed_bit_speed_rad_s")
         time_ns = estimate.confirmed_time_ns if known else tick.time_ns
         slow = known and abs(estimate.confirmed_bit_speed_rad_s) < STUCK_SPEED
@@ -78,6 +103,31 @@ class Watch:
             self._slow_since_ns = time_ns
         stuck = time_ns - self._slow_since_ns >= STUCK_S * NS
         return self._stuck.see(stuck, self._slow_since_ns)
+
+    def _look_at_string(self, tick: Tick) -> Event | None:
+        if not tick.longer_by_m:
+            return None
+        text = (
+            f"the string is {abs(tick.longer_by_m):.1f} m {'longer' if tick.longer_by_m > 0 else 'shorter'}"
+        )
+        return Event(time_ns=tick.time_ns, name="string_changed", begins=True, text=text)
+
+    def _look_for_connection(self, tick: Tick) -> Event | None:
+        """The string has turned and stands still: since when is known once it has lasted."""
+        if abs(tick.motor_speed_rad_s) >= self._turning:
+            self._turned_ns = tick.time_ns
+            return self._connection.see(False, tick.time_ns)
+        if self._turned_ns is None or tick.time_ns - self._turned_ns < STANDING_S * NS:
+            return None
+        return self._connection.see(True, self._turned_ns)
+
+    def _look_ahead(self, estimate: Estimate) -> Event | None:
+        announced = self.sticks.see(estimate)
+        if announced is None:
+            return None
+        lead_s = (announced.expected_ns - announced.made_ns) / NS
+        text = f"the bit is going to stick in {lead_s:.1f} s"
+        return Event(time_ns=announced.made_ns, name="stick_foretold", begins=True, text=text)
 
     def profile(self, profile: Profile) -> Event | None:
         """Look along the string: does a component bear more torque than it may?"""
@@ -98,3 +148,19 @@ class Watch:
             self._stick_slip.see(not math.isnan(severity) and severity >= STICK_SLIP, self._last_ns),
         )
         return [event for event in seen if event is not None]
+
+    def corrections(self, delay: float, inertia: float, friction: float) -> Event | None:
+        """Look at the corrections of the configuration in force, as shares."""
+        if (now := (delay, inertia, friction)) == self._tuning:
+            return None
+        self._tuning = now
+        text = (
+            f"the configuration is corrected: delay {delay:+.2%}, top-drive inertia {inertia:+.1%}, "
+            f"wall friction {friction:+.1%}"
+        )
+        return Event(time_ns=self._last_ns, name="self_tuning", begins=True, text=text)
+
+    def depths(self, depths: Depths) -> Event | None:
+        """Look at the depths: do they fit the string?"""
+        details = f"the string is {depths.length:.1f} m long"
+        return self._depths.see(depths.at_odds, self._last_ns, details)
