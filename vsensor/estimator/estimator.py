@@ -14,7 +14,17 @@ from vsensor.estimator.carry import carry
 from vsensor.estimator.gains import TOLD_TOP_SPEED, TOLD_TOP_TORQUE, Plant, gains, rock_fade
 from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.sections import Floats, Line, cut, junction_depths, steps_per_tick
-from vsensor.estimator.state import Model, State, fill, fill_shadows, flat, fresh, is_learned, shadowed
+from vsensor.estimator.state import (
+    Model,
+    Shadows,
+    State,
+    fill,
+    fill_shadows,
+    flat,
+    fresh,
+    is_learned,
+    shadowed,
+)
 from vsensor.estimator.tune import EVERY_S, INERTIA, correct, tuned
 
 ROUND_TRIPS = 2
@@ -39,6 +49,12 @@ class Estimator:
     The answers of one tick are for three times, each a fixed distance from the tick's own:
     confirmed `confirmed_delay` earlier, now at the tick, the forecast `forecast_horizon` later.
     """
+
+    _state: State
+    _model: Model
+    _told: Model
+    """The model of the last answers: corrections come after them."""
+    _shadows: Shadows
 
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
