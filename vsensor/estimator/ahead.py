@@ -12,11 +12,11 @@ from vsensor.jit import compiled
 def predict(model: Model, state: State) -> None:
     """March on to now and to the end of the forecast; `ahead` then holds the bit at each step."""
     known = state.ticks[0] * model.steps + model.steps - 1
-    state.marching[:] = state.junctions
+    state.marching[:] = state.junctions[0]
     march(
         model.line,
         load_in_force(state.learned, model.bit_rate),
-        state.waves,
+        state.waves[0],
         known,
         model.forecast,
         known,
@@ -24,7 +24,7 @@ def predict(model: Model, state: State) -> None:
         state.rock[0] * model.fade,
         model.fade,
         state.marching,
-        state.balances[BIT],
+        state.balances[0, BIT],
         state.ahead,
     )
 

@@ -19,6 +19,7 @@ KEPT = (
     "rock",
     "off_bottom",
     "held",
+    "innovation",
     "surprise",
     "rock_square",
     "level",
@@ -41,10 +42,11 @@ def carry(old: State, before: Line, new: State, line: Line, steps: int) -> None:
     longer = line.depth[-1] - before.depth[-1]
     _carry_waves(old, before, new, line, last)
     shift = round(longer)
-    _copy(old.told[:TOLD_TOP_SPEED], new.told[:TOLD_TOP_SPEED], last, shift)
-    _copy(old.told[TOLD_TOP_SPEED:], new.told[TOLD_TOP_SPEED:], last, 0)
-    new.junctions[:] = np.interp(line.depth - longer, before.depth, old.junctions)
-    new.junctions[-1] = old.junctions[-1]  # at rest is exactly at rest
+    _copy(old.told[:, :TOLD_TOP_SPEED], new.told[:, :TOLD_TOP_SPEED], last, shift)
+    _copy(old.told[:, TOLD_TOP_SPEED:], new.told[:, TOLD_TOP_SPEED:], last, 0)
+    for to, kept in zip(new.junctions, old.junctions, strict=True):
+        to[:] = np.interp(line.depth - longer, before.depth, kept)
+        to[-1] = kept[-1]  # at rest is exactly at rest
 
 
 def _carry_waves(old: State, before: Line, new: State, line: Line, last: int) -> None:
@@ -53,7 +55,7 @@ def _carry_waves(old: State, before: Line, new: State, line: Line, last: int) ->
         depth = float(line.depth[j] - longer)
         i = max(0, int(np.searchsorted(before.depth, depth + 1e-9, side="right")) - 1)
         below = depth - float(before.depth[i])
-        _copy(old.waves[i], new.waves[j], last, round(longer + 2 * below))
+        _copy(old.waves[:, i], new.waves[:, j], last, round(longer + 2 * below))
         _copy(old.returned[i], new.returned[j], last, round(longer))
 
 

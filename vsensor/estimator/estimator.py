@@ -11,15 +11,13 @@ from vsensor.config import Bit, Component, Rig
 from vsensor.estimator import kernel
 from vsensor.estimator.along import Stations, along, stations
 from vsensor.estimator.carry import carry
-from vsensor.estimator.gains import TOLD_TOP_SPEED, TOLD_TOP_TORQUE, Plant, gains, rock_fade
+from vsensor.estimator.gains import TOLD_TOP_SPEED, Plant, gains, rock_fade
 from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.sections import Floats, Line, cut, junction_depths, steps_per_tick
 from vsensor.estimator.state import (
     Model,
-    Shadows,
     State,
     fill,
-    fill_shadows,
     flat,
     fresh,
     is_learned,
@@ -54,7 +52,6 @@ class Estimator:
     _model: Model
     _told: Model
     """The model of the last answers: corrections come after them."""
-    _shadows: Shadows
 
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
@@ -67,6 +64,10 @@ class Estimator:
         )
         self._lay_out()
         self.reset()
+        # Compiled, or loaded, here: never at the first tick.
+        nothing = np.empty((2, 0))
+        self._advance(*nothing, np.empty(0, np.uint32), np.empty((0, kernel.COLUMNS)), np.empty(0, np.uint32))
+        self.profile()
 
     def _lay_out(self) -> None:
         rig = self._rig
@@ -184,17 +185,15 @@ class Estimator:
 
     def save(self) -> dict[str, NDArray[np.generic]]:
         """The whole state as named arrays: restored, it goes on to the same bits."""
-        return flat(self._state, *self._shadows.states)
+        return flat(self._state)
 
     def restore(self, saved: Mapping[str, NDArray[np.generic]]) -> None:
         """Take up a saved state. Raises ValueError where it is of another string, rate or version."""
         state = self._new()
-        states = (state, *shadowed(self._configured, state).states)
-        if saved.keys() != (mine := flat(*states)).keys():
-            raise ValueError(f"the saved state holds {sorted(saved)}, not {sorted(mine)}")
+        if saved.keys() != flat(state).keys():
+            raise ValueError(f"the saved state holds {sorted(saved)}, not {sorted(flat(state))}")
         fill(state, saved)
         self._take(state)
-        fill_shadows(self._shadows.states, saved)
 
     def step(self, torque: float, speed: float, reasons: int = 0) -> tuple[Floats, int]:
         """Run one tick; returns the answers (17,), valid until the next call, and the flags."""
@@ -209,13 +208,13 @@ class Estimator:
         Shape (2, n), valid until the next call; as good as that answer, and without meaning before the first.
         """
         model, state = self._model, self._state
-        along(model.line, state.waves, state.returned, self.stations, self._common_step(), self._profile)
+        along(model.line, state.waves[0], state.returned, self.stations, self._common_step(), self._profile)
         return self._profile
 
     def top(self) -> tuple[float, float]:
         """Speed (rad/s) and torque (N·m) of the string's top at the time of the last confirmed answer."""
-        at = self._common_step() & (self._state.told.shape[1] - 1)
-        speed, torque = self._state.told[TOLD_TOP_SPEED, at], self._state.told[TOLD_TOP_TORQUE, at]
+        at = self._common_step() & (self._state.told.shape[2] - 1)
+        speed, torque = self._state.told[0, TOLD_TOP_SPEED:, at]
         return float(speed), float(torque)
 
     def _common_step(self) -> int:
@@ -262,10 +261,11 @@ class Estimator:
         lasting: NDArray[np.uint32],
     ) -> None:
         self._told = self._model
-        kernel.advance(self._model, self._state, self._shadows, torques, speeds, flags, values, lasting)
-        due = self._state.ticks[0] % self._between == 0
-        if due and correct(self._state.tuning, self._shadows.off, self._rig.tuning.enabled):
-            self._tune()
+        kernel.advance(self._model, self._state, torques, speeds, flags, values, lasting)
+        due = len(torques) and self._state.ticks[0] % self._between == 0
+        if due and correct(self._state.tuning, self._model.off, self._rig.tuning.enabled):
+            # What is in the lines stays there: they are read at other delays from now on.
+            self._model = self._corrected()
 
     def _new(self) -> State:
         return fresh(self._configured, self._rig.bit, self._rig.tuning)
@@ -273,18 +273,12 @@ class Estimator:
     def _take(self, state: State) -> None:
         self._state = state
         self._model = self._told = self._corrected()
-        self._shadows = shadowed(self._model, state)
-
-    def _tune(self) -> None:
-        """Let model and shadows follow the corrections; what is in their lines stays there."""
-        self._model = self._corrected()
-        self._shadows = self._shadows._replace(models=shadowed(self._model, self._state).models)
 
     def _corrected(self) -> Model:
         value = self._state.tuning.value
         line = tuned(self._configured.line, value)
-        rate = self._configured.drive_rate * (1 + float(value[INERTIA]))
-        return _timed(self._configured._replace(line=line, drive_rate=rate))
+        rates = self._configured.drive_rates * (1 + float(value[INERTIA]))
+        return _timed(self._configured._replace(line=line, drive_rates=rates))
 
 
 def _model(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
@@ -306,9 +300,13 @@ def _model(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
     round_trip = int(line.round_trip.sum())
     model = Model(
         line=line,
+        impedances=line.impedance[None],
+        round_trips=line.round_trip[None],
+        drive_rates=np.array([plant.drive_rate]),
+        off=np.zeros(2),
+        shift=0,
         gains=gains(plant, at, lag, (behind + round_trip / 2 / steps, round_trip / steps)),
         bit_rate=plant.bit_rate,
-        drive_rate=plant.drive_rate,
         passed=passed,
         turns=drive.gear_ratio,
         limits=(measured.torque_limit / drive.gear_ratio, measured.speed_limit * drive.gear_ratio),
@@ -327,7 +325,7 @@ def _model(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
 
 
 def _timed(model: Model) -> Model:
-    """The model with the times that follow from its line."""
+    """The model with its shadows, and the times that follow from its line."""
     round_trip = int(model.line.round_trip.sum())
     now = model.behind * model.steps + round_trip // 2
-    return model._replace(now=now, forecast=max(now, round_trip))
+    return shadowed(model._replace(now=now, forecast=max(now, round_trip)))

@@ -6,20 +6,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vsensor.estimator.ahead import predict, stick_ahead
-from vsensor.estimator.gains import TOLD_BIT_SPEED, TOLD_BIT_TORQUE
+from vsensor.estimator.gains import TOLD_BIT_SPEED, TOLD_BIT_TORQUE, TOLD_TOP_SPEED
 from vsensor.estimator.learn import learn, lose_sight
-from vsensor.estimator.observe import observe, settle
+from vsensor.estimator.observe import note_rest, observe, settle
 from vsensor.estimator.rock import weigh_rock
 from vsensor.estimator.score import VALUE, foretell, score, variance
 from vsensor.estimator.sections import Floats
-from vsensor.estimator.state import FLAGS, Model, Shadows, State
+from vsensor.estimator.state import FLAGS, Model, State
 from vsensor.estimator.tune import (
     DELAY,
     FRICTION,
     INERTIA,
     SETTLED_S,
     SHADOWED,
-    SHADOWS,
+    STRINGS,
     wall_torque,
     weigh_tare,
 )
@@ -39,7 +39,9 @@ COLUMNS = 17
 OFF_BOTTOM = 1 << 16
 """Flag of an input: the bit is off bottom. Not a reason to doubt anything."""
 TURNING = 0.5
-"""Off bottom, wall friction is told while the bit turns faster than this, rad/s."""
+"""Off bottom, wall friction is told while the string turns faster than this, rad/s,"""
+STEADY = 0.2
+"""and its bit as fast as its top but for this share: all of the wall rubs then, and nothing speeds up."""
 
 _WARMING_UP = int(Reason.WARMING_UP)
 _STALE_TORQUE = int(Reason.STALE_TORQUE)
@@ -52,7 +54,6 @@ _NOT_MEASURED = _WARMING_UP | _STALE
 def advance(
     model: Model,
     state: State,
-    shadows: Shadows,
     torque: Floats,
     speed: Floats,
     reasons: NDArray[np.uint32],
@@ -68,15 +69,14 @@ def advance(
         flags = _enter(model, state, torque[k], speed[k], reasons[k])
         _follow_bit(model, state, reasons[k] & OFF_BOTTOM != 0)
         if state.ticks[0] == 0:
-            settle(model, state, state.inputs[0, 0], state.inputs[1, 0])
-            for shadow in range(SHADOWS):
-                settle(shadows.models[shadow], shadows.states[shadow], state.inputs[0, 0], state.inputs[1, 0])
+            for which in range(STRINGS):
+                settle(model, state, which, state.inputs[0, 0], state.inputs[1, 0])
         out_reasons[k] = _lasting(model, state, flags)
-        observe(model, state, True)
-        for shadow in range(SHADOWS):
-            observe(shadows.models[shadow], shadows.states[shadow], False)
+        for which in range(STRINGS):
+            observe(model, state, which)
+        note_rest(model, state)
         if not out_reasons[k] & _NOT_MEASURED:
-            _score(model, state, shadows)
+            _score(model, state)
         if out_reasons[k]:
             lose_sight(state.learned)
         elif state.off_bottom[0] > 0:
@@ -84,10 +84,10 @@ def advance(
         else:
             _learn(model, state)
         if not out_reasons[k] and state.ticks[0] > SETTLED_S * model.rate:
-            _tune(model, state, shadows)
+            _tune(model, state)
         predict(model, state)
         _foretell(model, state)
-        _answer(model, state, shadows, out_reasons[k], out[k])
+        _answer(model, state, out_reasons[k], out[k])
         if not out_reasons[k] & _WARMING_UP:
             _answer_top(model, state, out[k])
         state.ticks[0] += 1
@@ -149,8 +149,8 @@ def _confirmed_step(model: Model, state: State) -> int:
 
 @compiled
 def _learn(model: Model, state: State) -> None:
-    at = _confirmed_step(model, state) & (state.told.shape[1] - 1)
-    speed, torque = state.told[TOLD_BIT_SPEED, at], state.told[TOLD_BIT_TORQUE, at]
+    at = _confirmed_step(model, state) & (state.told.shape[2] - 1)
+    speed, torque = state.told[0, TOLD_BIT_SPEED, at], state.told[0, TOLD_BIT_TORQUE, at]
     weigh_rock(model, state, speed, torque)
     if model.learns:
         held = state.held[(state.ticks[0] - model.lag) % state.held.shape[0]]
@@ -158,7 +158,7 @@ def _learn(model: Model, state: State) -> None:
 
 
 @compiled
-def _tune(model: Model, state: State, shadows: Shadows) -> None:
+def _tune(model: Model, state: State) -> None:
     """Add up how well model and shadows foresaw this tick's speed."""
     misfit = state.tuning.misfit
     expected = model.gains.innovation[state.level[0]] * max(1.0, state.surprise[0])
@@ -166,7 +166,7 @@ def _tune(model: Model, state: State, shadows: Shadows) -> None:
     for p in range(SHADOWED):
         misfit[p, 0] = keep * misfit[p, 0] + state.innovation[0] ** 2 / expected
         for way in range(2):
-            miss = shadows.states[2 * p + way].innovation[0]
+            miss = state.innovation[1 + 2 * p + way]
             misfit[p, 1 + way] = keep * misfit[p, 1 + way] + miss * miss / expected
 
 
@@ -177,37 +177,39 @@ def _tare(model: Model, state: State) -> None:
     if (state.off_bottom[0] - model.lag) * model.steps < model.now:
         return
     step = _confirmed_step(model, state)
-    at = step & (state.told.shape[1] - 1)
-    speed, torque = state.told[TOLD_BIT_SPEED, at], state.told[TOLD_BIT_TORQUE, at]
+    mask = state.told.shape[2] - 1
+    speed, torque = state.told[0, TOLD_BIT_SPEED, step & mask], state.told[0, TOLD_BIT_TORQUE, step & mask]
     weigh_rock(model, state, speed, torque)
-    if abs(speed) > TURNING:
+    top = state.told[0, TOLD_TOP_SPEED, (step - (model.now - model.behind * model.steps)) & mask]
+    if abs(top) > TURNING and abs(speed - top) < STEADY * abs(top):
         doubt = model.gains.variance[state.level[0], TOLD_BIT_TORQUE] * max(1.0, state.surprise[0])
         weigh_tare(state.tuning, wall_torque(model.line, speed), torque, doubt, model.rate)
 
 
 @compiled
-def _doubt(model: Model, state: State, shadows: Shadows, quantity: int, step: int) -> float:
+def _doubt(model: Model, state: State, quantity: int, step: int) -> float:
     """Variance of a confirmed answer: by noise and rock, and by what is uncertain of the parameters."""
-    mask = state.told.shape[1] - 1
+    mask = state.told.shape[2] - 1
     by_noise = model.gains.variance[state.level[0], quantity] * max(1.0, state.surprise[0])
     # With longer delays the bit of a moment is seen later.
-    longer = shadows.states[2 * DELAY].told[quantity, (step + shadows.shift) & mask]
-    shorter = shadows.states[2 * DELAY + 1].told[quantity, (step - shadows.shift) & mask]
-    heavier = shadows.states[2 * INERTIA].told[quantity, step & mask]
-    lighter = shadows.states[2 * INERTIA + 1].told[quantity, step & mask]
+    longer = state.told[1, quantity, (step + model.shift) & mask]
+    shorter = state.told[2, quantity, (step - model.shift) & mask]
+    heavier, lighter = state.told[3, quantity, step & mask], state.told[4, quantity, step & mask]
     variance = state.tuning.variance
-    by_parameters = variance[DELAY] * ((longer - shorter) / (2.0 * shadows.off[DELAY])) ** 2
-    by_parameters += variance[INERTIA] * ((heavier - lighter) / (2.0 * shadows.off[INERTIA])) ** 2
+    by_parameters = variance[DELAY] * ((longer - shorter) / (2.0 * model.off[DELAY])) ** 2
+    by_parameters += variance[INERTIA] * ((heavier - lighter) / (2.0 * model.off[INERTIA])) ** 2
     if quantity == TOLD_BIT_TORQUE:
-        wall = wall_torque(model.line, state.told[TOLD_BIT_SPEED, step & mask])
+        # The wall's own speed is the top's at least on average: it rubs where the bit rests.
+        top = step - (model.now - model.behind * model.steps)
+        wall = wall_torque(model.line, state.told[0, TOLD_TOP_SPEED, top & mask])
         by_parameters += variance[FRICTION] * wall * wall
     return float(by_noise + by_parameters)
 
 
 @compiled
-def _score(model: Model, state: State, shadows: Shadows) -> None:
+def _score(model: Model, state: State) -> None:
     """Hold what was foretold against what is confirmed by now."""
-    mask = state.told.shape[1] - 1
+    mask = state.told.shape[2] - 1
     width = state.scores.foretold.shape[3]
     newest = _confirmed_step(model, state)
     for kind in range(2):
@@ -220,8 +222,8 @@ def _score(model: Model, state: State, shadows: Shadows) -> None:
             continue
         state.scores.scored[kind] += 1
         for q in range(2):
-            truth = state.told[q, step & mask]
-            score(state.scores, kind, q, tick, truth, _doubt(model, state, shadows, q, step), model.rate)
+            truth = state.told[0, q, step & mask]
+            score(state.scores, kind, q, tick, truth, model.rate)
 
 
 @compiled
@@ -235,7 +237,7 @@ def _foretell(model: Model, state: State) -> None:
 
 
 @compiled
-def _answer(model: Model, state: State, shadows: Shadows, reasons: int, out: Floats) -> None:
+def _answer(model: Model, state: State, reasons: int, out: Floats) -> None:
     """Fill a row with what is known and how well; what has no known deviation is not told."""
     out[:] = math.nan
     if reasons & _WARMING_UP:
@@ -245,12 +247,12 @@ def _answer(model: Model, state: State, shadows: Shadows, reasons: int, out: Flo
     confirmed = _confirmed_step(model, state)
     place = state.ticks[0] % state.scores.foretold.shape[3]
     for q in range(2):
-        doubt = _doubt(model, state, shadows, q, confirmed)
+        doubt = _doubt(model, state, q, confirmed)
         now = state.scores.foretold[0, q, :, place]
         if by_law:
             doubt += variance(state.scores, 0, q, now)
         if not by_law or state.scores.scored[0] > 0:
-            _tell(out, CONFIRMED + 2 * q, state.told[q, confirmed & (state.told.shape[1] - 1)], doubt)
+            _tell(out, CONFIRMED + 2 * q, state.told[0, q, confirmed & (state.told.shape[2] - 1)], doubt)
         for kind in range(2):
             if state.scores.scored[kind] > 0:
                 foretold = state.scores.foretold[kind, q, :, place]
@@ -264,10 +266,10 @@ def _answer(model: Model, state: State, shadows: Shadows, reasons: int, out: Flo
 def _answer_top(model: Model, state: State, out: Floats) -> None:
     """The string's top at the time that is confirmed of the bit, and what noise leaves of doubt."""
     step = _confirmed_step(model, state) - (model.now - model.behind * model.steps)
-    at = step & (state.told.shape[1] - 1)
+    at = step & (state.told.shape[2] - 1)
     for q in range(2):
         variance = model.gains.variance[state.level[0], 2 + q] * max(1.0, state.surprise[0])
-        _tell(out, TOP + 2 * q, state.told[2 + q, at], variance)
+        _tell(out, TOP + 2 * q, state.told[0, 2 + q, at], variance)
 
 
 @compiled

@@ -25,7 +25,7 @@ from vsensor.estimator.gains import (
 from vsensor.estimator.learn import load_in_force
 from vsensor.estimator.line import EVERY_JUNCTION, march, rubbing, turn_top
 from vsensor.estimator.load import law
-from vsensor.estimator.sections import Floats
+from vsensor.estimator.sections import Floats, Line
 from vsensor.estimator.state import BIT, SPEED, TOP, TORQUE, Model, State
 from vsensor.jit import compiled
 
@@ -38,27 +38,43 @@ SURPRISE_S = 2.0
 
 
 @compiled
-def settle(model: Model, state: State, torque: float, speed: float) -> None:
-    """Lay the waves of a string that has long turned, or stood, under this motor torque and speed."""
+def line_of(model: Model, which: int) -> Line:
+    """One of the strings: the model's own is the first."""
     line = model.line
+    return Line(
+        model.impedances[which],
+        model.round_trips[which],
+        line.viscous,
+        line.kinetic,
+        line.static,
+        line.depth,
+    )
+
+
+@compiled
+def settle(model: Model, state: State, which: int, torque: float, speed: float) -> None:
+    """Lay the waves of a string that has long turned, or stood, under this motor torque and speed."""
+    line = line_of(model, which)
     t, w = torque * model.passed, speed / model.turns
     if abs(w) < REST_SPEED:
         w = 0.0
     t -= rubbing(line, 0, w)
     for i in range(line.impedance.shape[0]):
-        state.waves[i, :] = t + line.impedance[i] * w
+        state.waves[which, i, :] = t + line.impedance[i] * w
         t -= rubbing(line, i + 1, w)
-    state.junctions[:] = w
-    state.balances[:] = 0.0
-    state.rock[0] = t - law(load_in_force(state.learned, model.bit_rate), w) if w != 0 else 0.0
+    state.junctions[which, :] = w
+    state.balances[which, :] = 0.0
+    load = load_in_force(state.learned, model.bit_rate)
+    state.rock[which] = t - law(load, w) if w != 0 else 0.0
 
 
 @compiled
-def observe(model: Model, state: State, keeps: bool) -> None:
-    """Run the internal steps of this tick, whose input has been entered, and correct.
+def observe(model: Model, state: State, which: int) -> None:
+    """Run one string by the internal steps of this tick, whose input has been entered, and correct it.
 
-    The waves that come back are kept only where somebody looks along the string (`keeps`).
+    The waves that come back are kept for the model string alone: nobody looks along a shadow.
     """
+    line = line_of(model, which)
     inputs = state.inputs
     width = inputs.shape[1]
     place = (state.ticks[0] - model.behind) % width
@@ -77,102 +93,109 @@ def observe(model: Model, state: State, keeps: bool) -> None:
         else:
             torque = inputs[TORQUE, then] + (at - 1.0) * (inputs[TORQUE, after] - inputs[TORQUE, then])
         step = state.ticks[0] * model.steps + row
-        _turn(model, state, step, torque * model.passed, speed / model.turns, silent)
-        if keeps:
-            keep_returned(model.line, state.waves, state.junctions, step, state.returned)
-    _note_rest(state, model)
-    state.innovation[0] = math.nan
+        _turn(model, state, which, line, step, torque * model.passed, speed / model.turns, silent)
+        if which == 0:
+            keep_returned(line, state.waves[0], state.junctions[0], step, state.returned)
+    state.innovation[which] = math.nan
     if not silent and state.missing[SPEED, place] == 0:
-        state.innovation[0] = _tamed(model, state, inputs[SPEED, place] / model.turns - state.junctions[0])
-        _correct(model, state, state.innovation[0])
-        if keeps:
-            _correct_waves(model, state, model.gains.returned, state.returned, state.innovation[0])
+        innovation = _tamed(
+            model, state, which, inputs[SPEED, place] / model.turns - state.junctions[which, 0]
+        )
+        state.innovation[which] = innovation
+        _correct(model, state, which, innovation)
+        _correct_waves(model, state, model.gains.waves, state.waves[which], innovation)
+        if which == 0:
+            _correct_waves(model, state, model.gains.returned, state.returned, innovation)
 
 
 @compiled
-def _turn(model: Model, state: State, step: int, torque: float, speed: float, silent: bool) -> None:
-    """One internal step of the string, by torque, or by speed where torque is silent."""
-    mask = state.waves.shape[1] - 1
-    line = model.line
-    state.rock[0] *= model.fade
-    g, state.balances[BIT] = march(
+def _turn(
+    model: Model, state: State, which: int, line: Line, step: int, torque: float, speed: float, silent: bool
+) -> None:
+    """One internal step of a string, by torque, or by speed where torque is silent."""
+    mask = state.told.shape[2] - 1
+    waves, junctions, told = state.waves[which], state.junctions[which], state.told[which]
+    balances = state.balances[which]
+    state.rock[which] *= model.fade
+    g, balances[BIT] = march(
         line,
         load_in_force(state.learned, model.bit_rate),
-        state.waves,
+        waves,
         step - 1,
         1,
         step - 1,
         EVERY_JUNCTION,
-        state.rock[0],
+        state.rock[which],
         1.0,
-        state.junctions,
-        state.balances[BIT],
+        junctions,
+        balances[BIT],
         state.ahead,
     )
+    drive_rate = model.drive_rates[which]
     if silent:
         w = speed
-        state.balances[TOP] = 0.5 * model.drive_rate * (w - state.junctions[0])
+        balances[TOP] = 0.5 * drive_rate * (w - junctions[0])
     else:
-        w, state.balances[TOP] = turn_top(
-            line, model.drive_rate, torque - g, state.junctions[0], state.balances[TOP]
-        )
-    state.junctions[0] = w
+        w, balances[TOP] = turn_top(line, drive_rate, torque - g, junctions[0], balances[TOP])
+    junctions[0] = w
     z = line.impedance[0]
     now = step & mask
-    state.waves[0, now] = g + 2 * z * w
-    state.told[TOLD_BIT_SPEED, now] = state.ahead[0, 0]
-    state.told[TOLD_BIT_TORQUE, now] = state.ahead[1, 0]
-    state.told[TOLD_TOP_SPEED, now] = w
-    state.told[TOLD_TOP_TORQUE, now] = g + z * w + rubbing(line, 0, w)
+    waves[0, now] = g + 2 * z * w
+    told[TOLD_BIT_SPEED, now] = state.ahead[0, 0]
+    told[TOLD_BIT_TORQUE, now] = state.ahead[1, 0]
+    told[TOLD_TOP_SPEED, now] = w
+    told[TOLD_TOP_TORQUE, now] = g + z * w + rubbing(line, 0, w)
 
 
 @compiled
-def _note_rest(state: State, model: Model) -> None:
+def note_rest(model: Model, state: State) -> None:
+    """Note how much of the torque resting parts of the wall may hold at this tick."""
     held = 0.0
-    for junction in range(state.junctions.shape[0]):
-        if state.junctions[junction] == 0:
+    for junction in range(state.junctions.shape[1]):
+        if state.junctions[0, junction] == 0:
             held += model.line.static[junction]
     state.held[state.ticks[0] % state.held.shape[0]] = held
 
 
 @compiled
-def _tamed(model: Model, state: State, innovation: float) -> float:
+def _tamed(model: Model, state: State, which: int, innovation: float) -> float:
     """An innovation held within what can be believed; keeps count of how large they are."""
     expected = model.gains.innovation[state.level[0]]
-    limit = WILD * math.sqrt(expected * max(1.0, state.surprise[0]))
+    limit = WILD * math.sqrt(expected * max(1.0, state.surprise[which]))
     tamed = min(max(innovation, -limit), limit)
-    state.surprise[0] += (tamed * tamed / expected - state.surprise[0]) / (SURPRISE_S * model.rate)
+    state.surprise[which] += (tamed * tamed / expected - state.surprise[which]) / (SURPRISE_S * model.rate)
     return tamed
 
 
 @compiled
-def _correct(model: Model, state: State, innovation: float) -> None:
-    """Correct string, bit and rock, and the answers of the last `lag` ticks. What rests stays at rest."""
+def _correct(model: Model, state: State, which: int, innovation: float) -> None:
+    """Correct the bit, the rock, and the answers of the last `lag` ticks. What rests stays at rest."""
     gains, level = model.gains, state.level[0]
-    mask = state.waves.shape[1] - 1
+    junctions, told, balances = state.junctions[which], state.told[which], state.balances[which]
+    if junctions[0] != 0:
+        junctions[0] += gains.state[level, TOP_SPEED] * innovation
+        balances[TOP] += gains.state[level, TOP_BALANCE] * innovation
+    bit = junctions.shape[0] - 1
+    if junctions[bit] != 0:
+        junctions[bit] += gains.state[level, BIT_SPEED] * innovation
+        balances[BIT] += gains.state[level, BIT_BALANCE] * innovation
+    state.rock[which] += gains.state[level, ROCK] * innovation
+    mask = told.shape[1] - 1
     last = state.ticks[0] * model.steps + model.steps - 1
-    if state.junctions[0] != 0:
-        state.junctions[0] += gains.state[level, TOP_SPEED] * innovation
-        state.balances[TOP] += gains.state[level, TOP_BALANCE] * innovation
-    bit = state.junctions.shape[0] - 1
-    if state.junctions[bit] != 0:
-        state.junctions[bit] += gains.state[level, BIT_SPEED] * innovation
-        state.balances[BIT] += gains.state[level, BIT_BALANCE] * innovation
-    state.rock[0] += gains.state[level, ROCK] * innovation
-    _correct_waves(model, state, gains.waves, state.waves, innovation)
     for ago in range(gains.told.shape[2]):
         at = (last - ago) & mask
-        if state.told[TOLD_BIT_SPEED, at] != 0:
-            state.told[TOLD_BIT_SPEED, at] += gains.told[level, TOLD_BIT_SPEED, ago] * innovation
-            state.told[TOLD_BIT_TORQUE, at] += gains.told[level, TOLD_BIT_TORQUE, ago] * innovation
-        state.told[TOLD_TOP_SPEED, at] += gains.told[level, TOLD_TOP_SPEED, ago] * innovation
-        state.told[TOLD_TOP_TORQUE, at] += gains.told[level, TOLD_TOP_TORQUE, ago] * innovation
+        if told[TOLD_BIT_SPEED, at] != 0:
+            told[TOLD_BIT_SPEED, at] += gains.told[level, TOLD_BIT_SPEED, ago] * innovation
+            told[TOLD_BIT_TORQUE, at] += gains.told[level, TOLD_BIT_TORQUE, ago] * innovation
+        told[TOLD_TOP_SPEED, at] += gains.told[level, TOLD_TOP_SPEED, ago] * innovation
+        told[TOLD_TOP_TORQUE, at] += gains.told[level, TOLD_TOP_TORQUE, ago] * innovation
 
 
 @compiled
 def _correct_waves(
     model: Model, state: State, of_innovation: Floats, waves: Floats, innovation: float
 ) -> None:
+    """Correct waves (M, size) of the last `lag` ticks by an innovation times gains (C, M, L)."""
     mask = waves.shape[1] - 1
     last = state.ticks[0] * model.steps + model.steps - 1
     for i in range(waves.shape[0]):

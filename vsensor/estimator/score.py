@@ -64,14 +64,12 @@ def foretell(
 
 
 @compiled
-def score(
-    scores: Scores, kind: int, quantity: int, tick: int, truth: float, doubt: float, rate: float
-) -> None:
-    """Hold what `tick` foretold against the truth, which is itself known with the variance `doubt`."""
+def score(scores: Scores, kind: int, quantity: int, tick: int, truth: float, rate: float) -> None:
+    """Hold what `tick` foretold against what was confirmed."""
     foretold = scores.foretold[kind, quantity, :, tick % scores.foretold.shape[3]]
     miss = foretold[VALUE] - truth
     x, u = foretold[CHANGE] * foretold[CHANGE], foretold[EXPECTED]
-    expected = variance(scores, kind, quantity, foretold) + doubt
+    expected = max(variance(scores, kind, quantity, foretold), LEAST * u)
     # Squares of a normal error scatter in proportion to its variance: their weight is its inverse square.
     weight = 1.0 / (expected * expected)
     m = min(miss * miss, WILD * expected)
@@ -87,6 +85,8 @@ def score(
     _solve(sums, scores.law[kind, quantity])
 
 
+LEAST = 1e-3
+"""A variance is never taken to be less than this share of what the gains tell."""
 WILD = 25.0
 """A squared miss beyond so many variances, five deviations, counts as one of so many."""
 

@@ -80,9 +80,9 @@ def cut(
 
 
 def stretched(line: Line, share: float) -> Line:
-    """The line with all its delays longer by a share, the impedances as they are."""
+    """The line with all its delays longer by a share, as of a softer steel: c and ζ go with √G."""
     depth = line.depth * (1 + share)
-    return line._replace(round_trip=_round_trips(depth), depth=depth)
+    return line._replace(impedance=line.impedance / (1 + share), round_trip=_round_trips(depth), depth=depth)
 
 
 def _round_trips(depth: Floats) -> Integers:

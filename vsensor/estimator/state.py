@@ -1,6 +1,6 @@
 """What the estimator is, and what it remembers: plain arrays, laid out once."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +12,7 @@ from vsensor.estimator.gains import Gains
 from vsensor.estimator.learn import Learned, fresh_law
 from vsensor.estimator.score import Scores, fresh_scores
 from vsensor.estimator.sections import Floats, Integers, Line, stretched
-from vsensor.estimator.tune import Tuning, fresh_tuning
+from vsensor.estimator.tune import STRINGS, Tuning, fresh_tuning
 
 FLAGS = 16
 """Room for so many kinds of `quality.Reason`."""
@@ -24,8 +24,6 @@ LEARNED = ("scores", "learned", "tuning", "rock_square", "level")
 """What stays when the waves are lost: these, and all within them."""
 
 
-OWN = ("waves", "junctions", "balances", "rock", "told", "held", "innovation", "surprise")
-"""What a shadow has of its own."""
 SHADOW_DELAY = 0.008
 SHADOW_INERTIA = 0.05
 """How far the shadows are off: enough to be told apart from rounding, too little to be another string."""
@@ -35,11 +33,20 @@ class Model(NamedTuple):
     """What does not change while running. Times in internal steps, `steps` of which make a tick."""
 
     line: Line
+    """The model string; beside it run its shadows (tune.py), a little off: N strings in all."""
+    impedances: Floats
+    """ζ of each string's sections, N·m·s/rad, shape (N, M)."""
+    round_trips: Integers
+    """2θ of each string's sections, shape (N, M)."""
+    drive_rates: Floats
+    """2 J / Δt of each string's top drive, N·m·s/rad, shape (N,)."""
+    off: Floats
+    """By which share shadows are off in delay and in inertia, shape (2,)."""
+    shift: int
+    """Steps by which the bit is seen later with longer delays."""
     gains: Gains
     bit_rate: float
     """2 J / Δt of the bit, N·m·s/rad: what its inertia adds to an impedance (trapezoid rule)."""
-    drive_rate: float
-    """The same of the top drive."""
     passed: float
     """String torque for one of motor torque: gear · efficiency."""
     turns: float
@@ -75,25 +82,26 @@ class State(NamedTuple):
     missing: Integers
     """and whether each was missing, 0 or 1, same shape."""
     waves: Floats
-    """The wave f at the top of each section by internal step, shape (M, size), size a power of two."""
+    """The wave f at the top of each section by internal step, of each string; shape (N, M, size), size a
+    power of two."""
     returned: Floats
-    """The wave g there, laid out alike, up to the last confirmed step."""
+    """The wave g there, of the model string, laid out alike, shape (M, size)."""
     junctions: Floats
-    """Speed of each junction at the newest step, 0 for one at rest, shape (M + 1,)."""
+    """Speed of each junction at the newest step, 0 for one at rest, shape (N, M + 1)."""
     balances: Floats
-    """J dω/dt of top drive and bit at that step, N·m, shape (2,)."""
+    """J dω/dt of top drive and bit at that step, N·m, shape (N, 2)."""
     rock: Floats
-    """What the rock asks beyond the load law, N·m, shape (1,)."""
+    """What the rock asks beyond the load law, N·m, shape (N,)."""
     told: Floats
-    """Answers by internal step: bit speed and torque, top speed and torque; a ring, shape (4, size)."""
+    """Answers by internal step: bit speed and torque, top speed and torque; a ring, shape (N, 4, size)."""
+    innovation: Floats
+    """What the measured speed says beyond each string's, rad/s; NaN without both channels, shape (N,)."""
+    surprise: Floats
+    """Mean square of the innovations over what was expected, shape (N,)."""
     off_bottom: Integers
     """Ticks for which the bit has been off bottom, or if negative, on it, shape (1,)."""
     held: Floats
     """Friction that resting parts of the wall may have held at each tick, N·m, a ring."""
-    innovation: Floats
-    """What the measured speed says beyond the model's, rad/s; NaN where a channel is missing, shape (1,)."""
-    surprise: Floats
-    """Mean square of the innovations over what was expected, shape (1,)."""
     rock_square: Floats
     """Mean square of the rock's torque, (N·m)², shape (1,)."""
     level: Integers
@@ -114,17 +122,6 @@ class State(NamedTuple):
     """and the bit's speed and torque at each of its steps, shape (2, steps)."""
 
 
-class Shadows(NamedTuple):
-    """Model strings that are a little off: longer delays, shorter ones, more inertia, less (tune.py)."""
-
-    models: tuple[Model, Model, Model, Model]
-    states: tuple[State, State, State, State]
-    off: Floats
-    """By how much, as a share, shape (2,)."""
-    shift: int
-    """Internal steps by which the bit is seen later with longer delays."""
-
-
 def fresh(model: Model, bit: Bit, settings: Settings) -> State:
     """The state before the first tick."""
     sections = len(model.line.impedance)
@@ -137,16 +134,16 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
     return State(
         inputs=np.zeros((2, model.behind + 2)),
         missing=np.zeros((2, model.behind + 2), np.int64),
-        waves=np.zeros((sections, size)),
+        waves=np.zeros((STRINGS, sections, size)),
         returned=np.zeros((sections, size)),
-        junctions=np.zeros(sections + 1),
-        balances=np.zeros(2),
-        rock=np.zeros(1),
-        told=np.zeros((4, size)),
+        junctions=np.zeros((STRINGS, sections + 1)),
+        balances=np.zeros((STRINGS, 2)),
+        rock=np.zeros(STRINGS),
+        told=np.zeros((STRINGS, 4, size)),
+        innovation=np.full(STRINGS, np.nan),
+        surprise=np.ones(STRINGS),
         off_bottom=np.zeros(1, np.int64),
         held=np.zeros(model.lag + 1),
-        innovation=np.full(1, np.nan),
-        surprise=np.ones(1),
         rock_square=np.array([model.gains.levels[level] ** 2]),
         level=np.array([level]),
         ticks=np.zeros(1, np.int64),
@@ -159,49 +156,37 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
     )
 
 
-def shadowed(model: Model, state: State) -> Shadows:
-    """Shadows of a model string, as it stands: what they share with it they share, their waves are copies."""
-    line = model.line
+def shadowed(model: Model) -> Model:
+    """The model with shadows that are a little off: longer delays, shorter ones, more inertia, less."""
+    line, drive = model.line, float(model.drive_rates[0])
     shift = max(1, round(SHADOW_DELAY * line.depth[-1]))
-    off = np.array([shift / line.depth[-1], SHADOW_INERTIA])
-    models = (
-        model._replace(line=stretched(line, off[0])),
-        model._replace(line=stretched(line, -off[0])),
-        model._replace(drive_rate=model.drive_rate * (1 + off[1])),
-        model._replace(drive_rate=model.drive_rate * (1 - off[1])),
+    delay = shift / float(line.depth[-1])
+    longer, shorter = stretched(line, delay), stretched(line, -delay)
+    lines = (line, longer, shorter, line, line)
+    more, less = 1 + SHADOW_INERTIA, 1 - SHADOW_INERTIA
+    return model._replace(
+        impedances=np.array([each.impedance for each in lines]),
+        round_trips=np.array([each.round_trip for each in lines]),
+        drive_rates=drive * np.array([1.0, 1.0, 1.0, more, less]),
+        off=np.array([delay, SHADOW_INERTIA]),
+        shift=shift,
     )
-    return Shadows(models, (_apart(state), _apart(state), _apart(state), _apart(state)), off, shift)
 
 
-def _apart(state: State) -> State:
-    own = {name: getattr(state, name).copy() for name in OWN}
-    return state._replace(**own)
-
-
-def flat(state: State, *shadows: State) -> dict[str, NDArray[np.generic]]:
-    """Copies of a state's arrays by name: `learned.NAME` of an inner tuple, `shadowN.NAME` a shadow's own."""
+def flat(state: State) -> dict[str, NDArray[np.generic]]:
+    """Copies of a state's arrays by name, those of an inner tuple as `learned.NAME`."""
     named = {}
     for name, value in state._asdict().items():
         if isinstance(value, np.ndarray):
             named[name] = value.copy()
         else:
             named |= {f"{name}.{inner}": array.copy() for inner, array in value._asdict().items()}
-    for number, shadow in enumerate(shadows):
-        named |= {f"shadow{number}.{name}": getattr(shadow, name).copy() for name in OWN}
     return named
-
-
-def fill_shadows(shadows: Sequence[State], saved: Mapping[str, NDArray[np.generic]]) -> None:
-    """Copy what shadows have of their own. Raises ValueError where an array does not fit."""
-    for number, shadow in enumerate(shadows):
-        fill(shadow, {name: saved[f"shadow{number}.{name}"] for name in OWN})
 
 
 def fill(state: State, saved: Mapping[str, NDArray[np.generic]]) -> None:
     """Copy saved arrays into a state. Raises ValueError where one does not fit."""
     for name, array in saved.items():
-        if name.startswith("shadow"):
-            continue
         place: object = state
         for part in name.split("."):
             place = getattr(place, part)

@@ -21,7 +21,8 @@ DELAY, INERTIA, FRICTION = range(3)
 PARAMETERS = 3
 SHADOWED = 2
 """Delay and inertia are told by shadows, a pair each: more of it, and less."""
-SHADOWS = 2 * SHADOWED
+STRINGS = 1 + 2 * SHADOWED
+"""The model string, and then its shadows: longer delays, shorter ones, more inertia, less."""
 BOUND = 3.0
 """No correction goes beyond so many of the stated deviations."""
 EVERY_S = 5.0
@@ -34,6 +35,8 @@ WORTH = 0.05
 """The model is not the string: what innovations tell of a parameter counts for a twentieth."""
 SETTLED_S = 30.0
 """Not before the load law was learned for so long: its errors would be laid to the string."""
+TARE_S = 30.0
+"""Time over which a tare is forgotten."""
 APART_S = 1.0
 """Bit torques so far apart tell independently of friction."""
 
@@ -98,7 +101,7 @@ def _take(tuning: Tuning, p: int, due: float, off: float) -> None:
         tuning.misfit[:] = 0.0
     else:
         tuning.value[p] += due
-        tuning.tare[1] -= tuning.tare[0] * due
+        tuning.tare[:] = 0.0
 
 
 def tuned(line: Line, value: Floats) -> Line:
@@ -113,8 +116,9 @@ def tuned(line: Line, value: Floats) -> Line:
 def weigh_tare(tuning: Tuning, wall: float, torque: float, doubt: float, rate: float) -> None:
     """Learn from a bit torque that is truly zero, known with the variance `doubt`; the wall takes `wall`."""
     weight = 1.0 / (APART_S * rate * doubt)
-    tuning.tare[0] += weight * wall * wall
-    tuning.tare[1] += weight * wall * torque
+    keep = 1.0 - 1.0 / (TARE_S * rate)
+    tuning.tare[0] = keep * tuning.tare[0] + weight * wall * wall
+    tuning.tare[1] = keep * tuning.tare[1] + weight * wall * torque
 
 
 @compiled
