@@ -10,7 +10,7 @@ from vsensor.estimator.gains import TOLD_BIT_SPEED, TOLD_BIT_TORQUE, TOLD_TOP_SP
 from vsensor.estimator.learn import learn, lose_sight
 from vsensor.estimator.observe import note_rest, observe, settle
 from vsensor.estimator.rock import weigh_rock
-from vsensor.estimator.score import VALUE, foretell, score, variance
+from vsensor.estimator.score import EXPECTED, VALUE, foretell, score, variance
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import FLAGS, Model, State
 from vsensor.estimator.tune import (
@@ -36,6 +36,9 @@ STICK = 16
 """Time until the bit is foretold to stick, s; NaN where it is not."""
 COLUMNS = 17
 
+NOW_KIND, FORECAST_KIND = range(2)
+TRUSTED = 9.0
+"""A prediction that misses by less than so many variances, three deviations, misses by the rock alone."""
 OFF_BOTTOM = 1 << 16
 """Flag of an input: the bit is off bottom. Not a reason to doubt anything."""
 TURNING = 0.5
@@ -149,12 +152,27 @@ def _confirmed_step(model: Model, state: State) -> int:
 
 @compiled
 def _learn(model: Model, state: State) -> None:
-    at = _confirmed_step(model, state) & (state.told.shape[2] - 1)
+    tick, step = _foretold_for(model, state, NOW_KIND)
+    at = step & (state.told.shape[2] - 1)
     speed, torque = state.told[0, TOLD_BIT_SPEED, at], state.told[0, TOLD_BIT_TORQUE, at]
     weigh_rock(model, state, speed, torque)
     if model.learns:
         held = state.held[(state.ticks[0] - model.lag) % state.held.shape[0]]
-        learn(state.learned, held, speed, torque, model.rate, state.ticks[0])
+        learn(state.learned, held, _unmoved(state, tick, speed), torque, model.rate, state.ticks[0])
+
+
+@compiled
+def _unmoved(state: State, tick: int, speed: float) -> float:
+    """The speed that the bit would have had but for the rock's own whims, as foretold before they came.
+
+    What slows the bit raises its torque: of pairs moved by the rock the law would look flatter than it is
+    (Berkson 1950 has the remedy). Where a prediction misses by more than the rock could, it is not used.
+    """
+    foretold = state.scores.foretold[0, 0, :, tick % state.scores.foretold.shape[3]]
+    miss = foretold[VALUE] - speed
+    if miss * miss < TRUSTED * foretold[EXPECTED] and foretold[VALUE] * speed > 0:
+        return float(foretold[VALUE])
+    return speed
 
 
 @compiled
@@ -207,23 +225,27 @@ def _doubt(model: Model, state: State, quantity: int, step: int) -> float:
 
 
 @compiled
+def _foretold_for(model: Model, state: State, kind: int) -> tuple[int, int]:
+    """The tick whose prediction has just been confirmed, and the internal step that it was for."""
+    ahead = model.now if kind == NOW_KIND else model.forecast
+    # Only one step of a tick was foretold from the last step of a tick.
+    tick = (_confirmed_step(model, state) - ahead + 1) // model.steps - 1
+    return tick, tick * model.steps + model.steps - 1 + ahead
+
+
+@compiled
 def _score(model: Model, state: State) -> None:
     """Hold what was foretold against what is confirmed by now."""
     mask = state.told.shape[2] - 1
     width = state.scores.foretold.shape[3]
-    newest = _confirmed_step(model, state)
     for kind in range(2):
-        ahead = model.now if kind == 0 else model.forecast
-        # Only one step of a tick was foretold from the last step of a tick.
-        tick = (newest - ahead + 1) // model.steps - 1
-        step = tick * model.steps + model.steps - 1 + ahead
+        tick, step = _foretold_for(model, state, kind)
         # Nothing was foretold while warming up, nor of a string that was made longer since.
-        if tick < model.span or math.isnan(state.scores.foretold[kind, 0, 0, tick % width]):
+        if tick < model.span or math.isnan(state.scores.foretold[kind, 0, VALUE, tick % width]):
             continue
         state.scores.scored[kind] += 1
         for q in range(2):
-            truth = state.told[0, q, step & mask]
-            score(state.scores, kind, q, tick, truth, model.rate)
+            score(state.scores, kind, q, tick, state.told[0, q, step & mask], model.rate)
 
 
 @compiled
