@@ -44,7 +44,9 @@ OFF_BOTTOM = 1 << 16
 TURNING = 0.5
 """Off bottom, wall friction is told while the string turns faster than this, rad/s,"""
 STEADY = 0.2
-"""and its bit as fast as its top but for this share: all of the wall rubs then, and nothing speeds up."""
+"""and its bit as fast as its top but for this share,"""
+STEADY_S = 5.0
+"""for so long: all of the wall rubs then, and nothing speeds up."""
 
 _WARMING_UP = int(Reason.WARMING_UP)
 _STALE_TORQUE = int(Reason.STALE_TORQUE)
@@ -199,7 +201,9 @@ def _tare(model: Model, state: State) -> None:
     speed, torque = state.told[0, TOLD_BIT_SPEED, step & mask], state.told[0, TOLD_BIT_TORQUE, step & mask]
     weigh_rock(model, state, speed, torque)
     top = state.told[0, TOLD_TOP_SPEED, (step - (model.now - model.behind * model.steps)) & mask]
-    if abs(top) > TURNING and abs(speed - top) < STEADY * abs(top):
+    steady = abs(top) > TURNING and abs(speed - top) < STEADY * abs(top)
+    state.tuning.steady[0] = state.tuning.steady[0] + 1 if steady else 0
+    if state.tuning.steady[0] > STEADY_S * model.rate:
         doubt = model.gains.variance[state.level[0], TOLD_BIT_TORQUE] * max(1.0, state.surprise[0])
         weigh_tare(state.tuning, wall_torque(model.line, speed), torque, doubt, model.rate)
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vsensor.config import Tuning as Settings
-from vsensor.estimator.sections import Floats, Line, stretched
+from vsensor.estimator.sections import Floats, Integers, Line, stretched
 from vsensor.jit import compiled
 
 DELAY, INERTIA, FRICTION = range(3)
@@ -54,6 +54,8 @@ class Tuning(NamedTuple):
     """Sums of squared innovations in force, with more and with less of each parameter, shape (2, 3)."""
     tare: Floats
     """What off bottom was told of friction: information, and where it pulls, shape (2,)."""
+    steady: Integers
+    """Ticks for which the string has turned steadily off bottom, shape (1,)."""
 
 
 def fresh_tuning(settings: Settings) -> Tuning:
@@ -65,6 +67,7 @@ def fresh_tuning(settings: Settings) -> Tuning:
         variance=prior.copy(),
         misfit=np.zeros((SHADOWED, 3)),
         tare=np.zeros(2),
+        steady=np.zeros(1, np.int64),
     )
 
 
@@ -73,10 +76,9 @@ def correct(tuning: Tuning, off: Floats, enabled: bool) -> bool:
     changed = False
     for p in range(PARAMETERS):
         information, pull = _parabola(tuning, p, float(off[p])) if p < SHADOWED else tuning.tare.tolist()
-        prior = 1 / float(tuning.prior[p])
-        variance = 1 / (information + prior)
+        variance = 1 / (information + 1 / float(tuning.prior[p]))
         tuning.variance[p] = variance
-        due = variance * (pull - prior * float(tuning.value[p]))
+        due = variance * pull
         bound = BOUND * float(tuning.prior[p]) ** 0.5
         due = min(max(due, -bound - float(tuning.value[p])), bound - float(tuning.value[p]))
         if enabled and due * due > SURELY**2 * variance:
@@ -101,7 +103,9 @@ def _take(tuning: Tuning, p: int, due: float, off: float) -> None:
         tuning.misfit[:] = 0.0
     else:
         tuning.value[p] += due
-        tuning.tare[:] = 0.0
+        # Pairs of before the correction are still on their way.
+        tuning.tare[1] = 0.0
+        tuning.steady[0] = 0
 
 
 def tuned(line: Line, value: Floats) -> Line:
