@@ -41,6 +41,8 @@ TRUSTED = 9.0
 """A prediction that misses by less than so many variances, three deviations, misses by the rock alone."""
 OFF_BOTTOM = 1 << 16
 """Flag of an input: the bit is off bottom. Not a reason to doubt anything."""
+LEAST_SURPRISE = 0.05
+"""Innovations so much smaller than expected are none: the string stands still."""
 TURNING = 0.5
 """Off bottom, wall friction is told while the string turns faster than this, rad/s,"""
 STEADY = 0.2
@@ -88,7 +90,7 @@ def advance(
             _tare(model, state)
         else:
             _learn(model, state)
-        if not out_reasons[k] and state.ticks[0] > SETTLED_S * model.rate:
+        if not out_reasons[k] and (state.ticks[0] > SETTLED_S * model.rate or not model.learns):
             _tune(model, state)
         predict(model, state)
         _foretell(model, state)
@@ -181,7 +183,7 @@ def _unmoved(state: State, tick: int, speed: float) -> float:
 def _tune(model: Model, state: State) -> None:
     """Add up how well model and shadows foresaw this tick's speed."""
     misfit = state.tuning.misfit
-    expected = model.gains.innovation[state.level[0]] * max(1.0, state.surprise[0])
+    expected = model.gains.innovation[state.level[0]] * max(LEAST_SURPRISE, state.surprise[0])
     keep = 1.0 - 1.0 / (TUNING_MEMORY_S * model.rate)
     for p in range(SHADOWED):
         misfit[p, 0] = keep * misfit[p, 0] + state.innovation[0] ** 2 / expected
