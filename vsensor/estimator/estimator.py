@@ -10,7 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 from vsensor.config import Bit, Rig
 from vsensor.estimator import kernel
 from vsensor.estimator.along import Stations, along, stations
-from vsensor.estimator.gains import TOLD_TOP_SPEED, TOLD_TOP_TORQUE, Plant, gains, rock_fade
+from vsensor.estimator.gains import (
+    TOLD_TOP_SPEED,
+    TOLD_TOP_TORQUE,
+    Gains,
+    Plant,
+    gains,
+    rock_fade,
+)
 from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.sections import Floats, Line, cut, junction_depths, steps_per_tick
 from vsensor.estimator.state import Model, State, fill, fill_shadows, flat, fresh, is_learned, shadowed
@@ -92,6 +99,11 @@ class Estimator:
     def bandwidth(self) -> float:
         """The frequency up to which at least half of the rock's torque is told, Hz."""
         return float(self._model.gains.band[self._state.level[0]])
+
+    @property
+    def gains(self) -> Gains:
+        """How much innovations correct, and what error they leave, for each level of the rock."""
+        return self._model.gains
 
     @property
     def tuning(self) -> Floats:
