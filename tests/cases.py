@@ -3,15 +3,20 @@
 import csv
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from vsensor.config import Rig
+from vsensor.estimator.kernel import OFF_BOTTOM
+from vsensor.intake import NS, Input
+from vsensor.messages import Sample
 from vsensor.offline import Offline
+from vsensor.quality import Reason
 from vsensor.tables import read_surface, surface_samples
 
 Columns = Mapping[str, NDArray[np.float64]]
@@ -60,10 +65,39 @@ def reference_rig(case: Path) -> Rig:
     )
 
 
+class Run(NamedTuple):
+    """What the sensor made of a surface table."""
+
+    told: Columns
+    """The estimates table."""
+    tuning: NDArray[np.float64]
+    """What it had corrected in the end: delay, top-drive inertia, wall friction, as shares."""
+
+
+class _Told(Offline):
+    """A sensor that is told that the bit is off bottom until some time."""
+
+    def __init__(self, rig: Rig, off_bottom_until_s: float) -> None:
+        super().__init__(rig)
+        self._until_s = off_bottom_until_s
+
+    def _inputs(self, samples: Iterable[tuple[str, Sample]]) -> Iterator[Input]:
+        for given in super()._inputs(samples):
+            off = OFF_BOTTOM if given.time_ns < self._until_s * NS else 0
+            yield given._replace(reasons=Reason(given.reasons | off))
+
+
+def run(rig: Rig, surface: Path, off_bottom_until_s: float = 0.0) -> Run:
+    """Run a surface table through the sensor."""
+    sensor = _Told(rig, off_bottom_until_s)
+    chunks = list(sensor.estimates(surface_samples(read_surface(surface))))
+    told = {name: np.concatenate([np.asarray(chunk[name]) for chunk in chunks]) for name in chunks[0]}
+    return Run(told, sensor.tuning)
+
+
 def estimated(rig: Rig, surface: Path) -> Columns:
     """The estimates table of a surface table."""
-    chunks = list(Offline(rig).estimates(surface_samples(read_surface(surface))))
-    return {name: np.concatenate([np.asarray(chunk[name]) for chunk in chunks]) for name in chunks[0]}
+    return run(rig, surface).told
 
 
 def table(path: Path) -> Columns:

@@ -12,11 +12,12 @@ from tests.strings import BIT, COLLAR, DRIVE, PIPE, rig
 RIG = rig(PIPE, COLLAR, bit=BIT, top_drive=DRIVE)
 
 
-def test_a_wider_band_is_sooner_and_noisier() -> None:
-    of = pictures.trade(RIG, np.array([1.0, 3.0]))
-    assert of.lag[1] < of.lag[0]
-    assert of.top_torque[1] > of.top_torque[0]
-    assert of.bit_speed[1] > of.bit_speed[0]
+def test_a_longer_lag_and_quieter_rock_leave_less_error() -> None:
+    of = pictures.trade(RIG, np.array([0.1, 1.0]))
+    assert of.std.shape == (2, 4, 2)
+    assert np.all(of.std[..., 1] < of.std[..., 0])
+    assert of.rock[0] < of.rock[1]
+    assert np.all(of.std[0] < of.std[1])
 
 
 def test_pictures_are_written(tmp_path: Path) -> None:
@@ -31,7 +32,7 @@ def test_pictures_are_written(tmp_path: Path) -> None:
     surface = {"time_s": time, "motor_speed_rad_s": waves}
     truth = {"time_s": time, "bit_speed_rad_s": waves, "bit_torque_nm": waves}
     work = pictures.at_work(told, surface, truth)
-    lag = pictures.lag(pictures.trade(RIG, np.array([1.0, 3.0])), 3.0)
+    lag = pictures.lag(pictures.trade(RIG, np.array([0.1, 1.0])), 0.5)
     for picture in (work, lag):
         assert f"({tmp_path.name}/{picture.name}.png)" in pictures.shown(picture, tmp_path)
         assert (tmp_path / f"{picture.name}.png").read_bytes().startswith(b"\x89PNG")

@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from vsensor.bench import kernel, live, offline, stage, tick, wakes
 from vsensor.bench.compiler import FLAGS, NO_COMPILER, compiler
 from vsensor.bench.processes import child_of, processor_s
+from vsensor.bench.record import drilled
 from vsensor.bench.rounds import LEAST_ROUNDS, alternate
 from vsensor.bench.table import Table
 from vsensor.bench.well import deep_well
@@ -25,6 +26,11 @@ from vsensor.messages import Tick
 
 needs_c = pytest.mark.skipif(compiler() is None, reason=NO_COMPILER)
 SHORT_S = 0.01
+
+
+@pytest.fixture(scope="module")
+def case() -> kernel.Case:
+    return kernel.deep_case()
 
 
 def rows(table: Table) -> list[dict[str, object]]:
@@ -44,8 +50,12 @@ def test_contestants_take_turns_and_the_order_turns_round() -> None:
 def test_the_kernels_are_held_against_c_that_says_the_same() -> None:
     (table,) = kernel.tables(SHORT_S)
     told = rows(table)
-    assert [row["kernel"] for row in told] == ["descent"] * 3 + ["march"] * 3
-    for own in (0, 3):
+    assert [row["kernel"] for row in told] == [
+        *["march, a section"] * 3,
+        *["observer's step, a section"] * 3,
+        *["correction, a number"] * 3,
+    ]
+    for own in (0, 3, 6):
         assert told[own]["ours / this"] is None
         for row, flags in zip(told[own + 1 : own + 3], FLAGS, strict=True):
             assert row["made by"] == f"C, {flags}"
@@ -55,31 +65,36 @@ def test_the_kernels_are_held_against_c_that_says_the_same() -> None:
 def test_without_a_compiler_there_is_no_ratio_and_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CC", "no-such-compiler")
     (table,) = kernel.tables(SHORT_S)
-    assert [row["made by"] for row in rows(table)] == ["ours (numba)"] * 2
+    assert [row["made by"] for row in rows(table)] == ["ours (numba)"] * 3
     assert NO_COMPILER in table.notes
 
 
-def test_c_that_says_something_else_is_no_yardstick() -> None:
-    case = kernel.deep_case()
+def test_c_that_says_something_else_is_no_yardstick(case: kernel.Case) -> None:
     ours, other = kernel._ours(case), kernel._ours(case)
     for contestant in (ours, other):
-        contestant.descend()
-        contestant.march()
-    kernel.check(other.results, ours.results, "-O9")
-    other.results.told[1, 7] *= 1 + 1e-9
+        kernel.run_once(contestant)
+    kernel.check(other.state, ours.state, "-O9")
+    other.state.told[0, 1, 7] *= 1 + 1e-9
     with pytest.raises(VsensorError, match=r"-O9.*differ in told by"):
-        kernel.check(other.results, ours.results, "-O9")
-    other.results.told[1, 7] = np.nan
+        kernel.check(other.state, ours.state, "-O9")
+    other.state.told[0, 1, 7] = np.nan
     with pytest.raises(VsensorError, match="differ in told by nan"):
-        kernel.check(other.results, ours.results, "-O9")
+        kernel.check(other.state, ours.state, "-O9")
 
 
-def test_junctions_of_a_march_are_counted_as_it_meets_them() -> None:
-    case = kernel.deep_case()
-    trips, last = case.line.round_trip, len(case.line.impedance) - 1
+def test_what_is_compared_was_worked_out(case: kernel.Case) -> None:
+    ours = kernel._ours(case)
+    kernel.run_once(ours)
+    for name in kernel.COMPARED:
+        assert not np.array_equal(getattr(ours.state, name), getattr(case.state, name)), name
+
+
+def test_junctions_of_a_march_are_counted_as_it_meets_them(case: kernel.Case) -> None:
+    trips, reach = case.model.line.round_trip, case.model.forecast
+    last = len(trips) - 1
     count = highest = 0
-    matters = case.reach - trips[1:].sum()
-    for ahead in range(1, case.reach + 1):
+    matters = reach - trips[1:].sum()
+    for ahead in range(1, reach + 1):
         while ahead > matters and highest < last:
             highest += 1
             matters += trips[highest]
@@ -96,14 +111,16 @@ def test_a_tick_is_timed_at_each_rate() -> None:
         assert row["of its time, %"] == pytest.approx(called * rate / 1e4)
 
 
-def test_the_confirmed_answer_alone_is_the_same_answer() -> None:
+@pytest.mark.parametrize("part", [tick.CONFIRMED, tick.STRING, tick.TUNED])
+def test_the_confirmed_answer_alone_is_the_same_answer(part: int) -> None:
     rate = 10.0
-    estimator = Estimator(deep_well(rate))
-    time = np.arange(round((estimator.warm_up + 3) * rate)) / rate
-    torque, speed = 25e3 + 2e3 * np.sin(time), 12 + np.cos(time)
-    whole, alone = (e.run(torque, speed).values for e in (estimator, tick._confirmed_alone(rate)))
-    assert np.isfinite(whole[-1, CONFIRMED])
-    np.testing.assert_array_equal(whole[:, CONFIRMED], alone[:, CONFIRMED])
+    rig = deep_well(rate)
+    torque, speed = drilled(rig, round((Estimator(rig).warm_up + 3) * rate))
+    assert np.ptp(speed) > 1
+    whole, alone = Estimator(rig).run(torque, speed).values, tick.Part(rig, part).run(torque, speed)
+    known = np.isfinite(whole[:, CONFIRMED])
+    assert known[-1]
+    np.testing.assert_array_equal(whole[known][:, [CONFIRMED, CONFIRMED + 2]], alone[known])
 
 
 def test_offline_every_row_becomes_a_tick() -> None:
@@ -180,8 +197,8 @@ def test_live_every_sample_is_consumed_recorded_and_made_a_tick_of(tmp_path: Pat
 
 
 def test_an_impossible_rate_is_refused_before_anything_runs() -> None:
-    with pytest.raises(ConfigError, match=r"--rate 4[\s\S]*bandwidth"):
-        next(live.tables(1.0, [100.0, 4.0], pytest.fail))
+    with pytest.raises(ConfigError, match=r"--rate 0\.5[\s\S]*loop\.rate"):
+        next(live.tables(1.0, [100.0, 0.5], pytest.fail))
 
 
 def test_the_command_prints_and_writes_its_figures(tmp_path: Path) -> None:
@@ -189,7 +206,7 @@ def test_the_command_prints_and_writes_its_figures(tmp_path: Path) -> None:
     arguments = ["bench", "kernel", "--seconds", "0.01", "--rate", "20", "--json", str(file)]
     result = CliRunner().invoke(main.app, arguments)
     assert result.exit_code == 0, result.output
-    assert "descent" in result.output
+    assert "march" in result.output
     figures = json.loads(file.read_text(encoding="utf-8"))
     assert figures["machine"]["cores"] == str(os.cpu_count())
     kernels, ticks = figures["tables"]
@@ -198,7 +215,7 @@ def test_the_command_prints_and_writes_its_figures(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "arguments", [["all"], ["--rate", "4"], ["--seconds", "0"], ["--json", "no-such-folder/x.json"]]
+    "arguments", [["all"], ["--rate", "0.5"], ["--seconds", "0"], ["--json", "no-such-folder/x.json"]]
 )
 def test_wrong_use_of_the_command_is_status_2(arguments: list[str]) -> None:
     assert CliRunner().invoke(main.app, ["bench", *arguments]).exit_code == 2

@@ -1,6 +1,7 @@
 """`vsensor check` explains a configuration, and points out likely slips without refusing them."""
 
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,8 @@ from typer.testing import CliRunner
 
 from vsensor.cli.main import app
 from vsensor.cli.oddities import oddities
-from vsensor.config import Rig
+from vsensor.config import Rig, load
+from vsensor.estimator.estimator import Estimator
 
 SOUND: dict[str, Any] = {
     "rig": {"name": "sound"},
@@ -164,6 +166,22 @@ def test_the_report_gives_the_figures(tmp_path: Path) -> None:
         assert row.split() in rows
     assert "What looks odd (2)" in result.output
     assert "\x1b" not in result.output
+
+
+def test_the_report_tells_how_well_the_bit_will_be_known() -> None:
+    file = Path(__file__).parent.parent / "config" / "drilling.toml"
+    sensor = Estimator(load(file))
+    result = CliRunner().invoke(app, ["check", str(file)])
+    rows = [" ".join(line.split()) for line in result.output.splitlines()]
+    (noise,) = (row for row in rows if row.startswith("its noise"))
+    speed, torque = (float(number) for number in re.findall(r"([\d.]+) (?:rpm|N·m)", noise))
+    assert (speed * math.pi / 30, torque) == pytest.approx(sensor.noise.tolist(), rel=0.05)
+    assert "middling rock" in noise
+    assert f"band up to {sensor.bandwidth:.1f} Hz the rock is told more than guessed" in rows
+    assert f"confirmed {sensor.confirmed_delay:.3f} s late" in rows
+    assert sensor.confirmed_delay == pytest.approx(
+        0.005 + 0.5 + 0.9, abs=0.02
+    )  # drive, lag, 2850 m of string
 
 
 def test_the_report_tells_of_the_well(tmp_path: Path) -> None:

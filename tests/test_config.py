@@ -76,6 +76,11 @@ def rigs(draw: st.DrawFn) -> dict[str, Any]:
             "multicast_scouting": draw(st.booleans()),
             "zenoh_config": draw(words),
         },
+        "tuning": {
+            "enabled": draw(st.booleans()),
+            "delay": draw(st.floats(1e-6, 0.3)),
+            "friction": draw(st.floats(1e-6, 0.3)),
+        },
         "recording": {"enabled": draw(st.booleans()), "folder": draw(words)},
         "view": {"history": draw(positive)},
     }
@@ -84,7 +89,7 @@ def rigs(draw: st.DrawFn) -> dict[str, Any]:
         "rig": {"name": draw(st.from_regex(r"[A-Za-z0-9][A-Za-z0-9._-]{0,20}", fullmatch=True))},
         "string": draw(st.lists(components(), min_size=1, max_size=4)),
         "loop": {"rate": rate},
-        "estimator": {"bandwidth": max(0.05, rate / 2 * draw(st.floats(0.01, 0.99)))},
+        "estimator": {"lag": draw(st.floats(0.001, 10.0))},
     }
 
 

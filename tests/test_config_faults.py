@@ -84,7 +84,16 @@ def faults(text: str) -> list[str]:
             RIG + PIPE + '[loop]\nrate = "9 kHz"',
             "loop.rate = '9 kHz': must be at most 5000: write a rate from",
         ),
-        (RIG + PIPE + "[loop]\nrate = 6", "estimator.bandwidth 3 Hz must be below half of loop.rate 6 Hz"),
+        (
+            RIG + PIPE + '[estimator]\nlag = "11 s"',
+            "estimator.lag = '11 s': must be at most 10: write a time",
+        ),
+        (RIG + PIPE + "[estimator]\nlag = 0", "estimator.lag = 0: must be greater than 0: write a time"),
+        (RIG + PIPE + "[estimator]\nbandwidth = 3", "estimator.bandwidth"),
+        (RIG + PIPE + "[tuning]\ndelay = 0.5", "tuning.delay = 0.5: must be at most 0.3: write a share"),
+        (RIG + PIPE + "[tuning]\ninertia = 0", "tuning.inertia = 0: must be greater than 0: write a share"),
+        (RIG + PIPE + '[tuning]\nfriction = "15 %"', "tuning.friction = '15 %': "),
+        (RIG + PIPE + "[tuning]\nenabled = 1", "tuning.enabled = 1: must be true or false"),
         (RIG + PIPE + '[bus]\nprefix = "/x"', "bus.prefix = '/x': cannot be used: write words"),
         (RIG + PIPE + '[bus]\nprefix = "a//x"', "bus.prefix = 'a//x': cannot be used: write words"),
         (

@@ -78,7 +78,7 @@ def test_off_the_grid_a_straight_line_is_drawn(shift_s: float, torque_rate: floa
 @pytest.mark.parametrize("rate", [1.0, 60.0, 100.0, 300.0, 999.0, 5000.0, 29.97])
 def test_the_grid_never_drifts(rate: float) -> None:
     wide = {"max_gap": 40 * 86_400, "restart_gap": 50 * 86_400}
-    intake = Intake(rig(PIPE, rate=rate, measurement=wide, estimator={"bandwidth": min(3.0, rate / 3)}))
+    intake = Intake(rig(PIPE, rate=rate, measurement=wide))
     count = 3000
     given_out = ticks(both([0.0, count / rate]), intake)
 

@@ -33,6 +33,11 @@ class Offline:
         self.intake = Intake(rig)
         self._estimator = Estimator(rig)
 
+    @property
+    def tuning(self) -> NDArray[np.float64]:
+        """Corrections of delay, top-drive inertia and wall friction that the record made, as shares; (3,)."""
+        return self._estimator.tuning
+
     def estimates(self, samples: Iterable[tuple[str, Sample]]) -> Iterator[Mapping[str, NDArray[np.generic]]]:
         """Yield the estimates table of `contracts` in chunks of columns, one row a tick."""
         inputs = self._inputs(samples)

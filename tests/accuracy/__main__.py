@@ -38,7 +38,7 @@ def page(images: Path) -> Iterator[str]:
         yield from reference.scratch(case)
     yield words.LAG
     rig = load(DRILLING)
-    yield pictures.shown(pictures.lag(pictures.trade(rig), rig.estimator.bandwidth), images)
+    yield pictures.shown(pictures.lag(pictures.trade(rig), rig.estimator.lag), images)
     yield from field(folder("VSENSOR_FIELD_DATA"))
 
 

@@ -7,8 +7,9 @@ import numpy as np
 
 from tests.accuracy import words
 from tests.accuracy.score import Answer, answer
-from tests.cases import estimated, midpoints, table
+from tests.cases import midpoints, run, table
 from vsensor.config import load
+from vsensor.estimator.tune import FRICTION
 from vsensor.units import factor
 
 TURNING = 3.0
@@ -20,18 +21,24 @@ CONFIGURATION = Path(__file__).parents[2] / "config" / "well-b.toml"
 def field(folder: Path) -> Iterator[str]:
     """The page's part about the well."""
     truth, surface = table(folder / "well_b_1733m_downhole.csv"), table(folder / "well_b_1733m_surface.csv")
-    told = estimated(load(CONFIGURATION), folder / "well_b_1733m_surface.csv")
     third = surface["time_s"][-1] / 3
-    tare = tared(answer(told, "confirmed"), third)
-    yield words.FIELD.format(third=third, turning=TURNING * RPM, tare=tare / 1e3)
+    yield words.FIELD.format(third=third, turning=TURNING * RPM)
     error, r = midpoints(surface["time_s"], surface["motor_speed_rad_s"], truth)
-    yield f"| surface speed | {error * RPM:.1f} | {r:.3f} | | |"
-    for kind in ("confirmed", "now", "forecast"):
-        of = answer(told, kind)
-        known = np.isfinite(of.speed)
-        error, r = midpoints(of.time[known], of.speed[known], truth)
-        late, rest = (of.torque[known & (of.time >= start)].mean() for start in (20, third))
-        yield f"| {kind} | {error * RPM:.1f} | {r:.3f} | {late / 1e3:+.2f} | {(rest - tare) / 1e3:+.2f} |"
+    yield f"| | surface speed | {error * RPM:.1f} | {r:.3f} | | | | |"
+    told_off = {"nothing": 0.0, "off bottom in the first third": third, "off bottom throughout": np.inf}
+    for what, until in told_off.items():
+        of, tuning = run(load(CONFIGURATION), folder / "well_b_1733m_surface.csv", until)
+        tare = tared(answer(of, "confirmed"), third)
+        for kind in ("confirmed", "now", "forecast"):
+            here = answer(of, kind)
+            known = np.isfinite(here.speed)
+            error, r = midpoints(here.time[known], here.speed[known], truth)
+            late, rest = (here.torque[known & (here.time >= start)].mean() for start in (20, third))
+            yield (
+                f"| {what if kind == 'confirmed' else ''} | {kind} | {error * RPM:.1f} | {r:.3f} "
+                f"| {late / 1e3:+.2f} | {rest / 1e3:+.2f} | {(rest - tare) / 1e3:+.2f} "
+                f"| {f'{tuning[FRICTION]:+.0%}' if kind == 'confirmed' else ''} |"
+            )
 
 
 def tared(confirmed: Answer, until_s: float) -> float:

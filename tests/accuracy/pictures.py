@@ -1,4 +1,4 @@
-"""The page's pictures: a sensor at work, and what its bandwidth costs."""
+"""The page's pictures: a sensor at work, and what its lag buys."""
 
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -9,7 +9,7 @@ from matplotlib.ticker import LogLocator, MultipleLocator, NullLocator
 
 from tests.accuracy.score import Answer, Floats, answer
 from tests.cases import Columns
-from vsensor.config import Component, Rig
+from vsensor.config import Rig
 from vsensor.estimator.estimator import Estimator
 from vsensor.paper.figures.style import (
     BLACK,
@@ -25,37 +25,34 @@ from vsensor.paper.figures.style import (
 from vsensor.units import factor
 
 WINDOW_S = (25.0, 45.0)
-BANDWIDTHS_HZ = np.geomspace(0.5, 10.0, 14)
+LAGS_S = np.geomspace(0.05, 2.0, 14)
+LEVELS = {"middling rock": 4, "restless rock": 6}
+"""Of `gains.ROCK_LEVELS`, by name."""
 RPM, KNM = factor("rad/s", "rpm"), 1e-3
-STUB = Component(name="stub", length=1.0, outer_diameter=0.127, inner_diameter=0.1086)
-"""A string that ends where it begins: its bit is the string's top."""
 
 
 class Trade(NamedTuple):
-    """What a bandwidth gives the confirmed answer; arrays of shape (n,)."""
+    """What a lag leaves of error, by noise and rock."""
 
-    bandwidth: Floats
-    """Hz."""
     lag: Floats
-    """How much later than the wave's travel time the answer comes, s."""
-    top_torque: Floats
-    """Standard deviation of the torque at the string's top, N·m."""
-    bit_speed: Floats
-    """Standard deviation of the bit's speed, rad/s."""
+    """s, shape (n,)."""
+    rock: Floats
+    """The rock's standard deviation, N·m, shape (2,)."""
+    std: Floats
+    """Standard deviations of confirmed bit speed and torque, and of the string's top, SI; shape (2, 4, n)."""
 
 
-def trade(rig: Rig, bandwidths: Floats = BANDWIDTHS_HZ) -> Trade:
-    """Lag and noise of a rig's confirmed answer over bandwidth."""
-    rows = []
-    for hertz in bandwidths:
-        here = rig.model_copy(
-            update={"estimator": rig.estimator.model_copy(update={"bandwidth": float(hertz)})}
-        )
-        bare = here.bit.model_copy(update={"inertia": 0.0})
-        top = Estimator(here.model_copy(update={"string": (STUB,), "bit": bare}))
-        bit = Estimator(here)
-        rows.append((bit.confirmed_delay - bit.forecast_horizon, top.torque_noise, bit.speed_noise))
-    return Trade(bandwidths, *np.array(rows).T)
+def trade(rig: Rig, lags: Floats = LAGS_S) -> Trade:
+    """What is left of error over lag, by the sensor's own reckoning."""
+    chosen = list(LEVELS.values())
+    each = [
+        Estimator(
+            rig.model_copy(update={"estimator": rig.estimator.model_copy(update={"lag": float(lag)})})
+        ).gains
+        for lag in lags
+    ]
+    std = np.sqrt([gains.variance[chosen] for gains in each])
+    return Trade(lags, each[0].levels[chosen], np.moveaxis(std, 0, -1))
 
 
 def shown(picture: Picture, folder: Path) -> str:
@@ -111,26 +108,34 @@ def _draw(axes: Axes, of: Answer, value: Floats, std: Floats, color: str, kind: 
         )
 
 
-def lag(of: Trade, chosen_hz: float) -> Picture:
-    """Noise and lag over bandwidth; a dotted line at the configured one."""
+def lag(of: Trade, chosen_s: float) -> Picture:
+    """What is left of error over lag; a dotted line at the configured one."""
     charts = (
-        ("Torque at the string's top", "standard deviation, N·m", of.top_torque),
-        ("Confirmed bit speed", "standard deviation, rpm", of.bit_speed * RPM),
-        ("Lag beyond the travel time", "lag, s", of.lag),
+        ("Confirmed bit speed", "rpm", RPM),
+        ("Confirmed bit torque", "N·m", 1.0),
+        ("Speed at the string's top", "rpm", RPM),
+        ("Torque at the string's top", "N·m", 1.0),
     )
     with rules():
-        figure, row = panels(1, 3, width=10.0, height=4.0)
-        for axes, (title, label, values) in zip(row, charts, strict=True):
-            axes.loglog(of.bandwidth, values, color=BLUE, marker="o", markersize=4)
-            axes.axvline(chosen_hz, color=GREY, linewidth=1.4, linestyle=":")
-            axes.set(title=title, xlabel="bandwidth, Hz", ylabel=label)
+        figure, squares = panels(2, 2, width=10.0, height=7.0, sharex=True)
+        for number, (axes, (title, unit, scale)) in enumerate(zip(squares, charts, strict=True)):
+            for level, (name, color) in enumerate(zip(LEVELS, (BLUE, RED), strict=True)):
+                label = f"{name}, {of.rock[level]:.0f} N·m"
+                values = of.std[level, number] * scale
+                axes.loglog(of.lag, values, color=color, marker="o", markersize=4, label=label)
+            axes.axvline(chosen_s, color=GREY, linewidth=1.4, linestyle=":")
+            axes.set(title=title, ylabel=f"standard deviation, {unit}")
+            axes.set_xlabel("lag, s" if number >= 2 else "")
             for axis in (axes.xaxis, axes.yaxis):
                 axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
                 axis.set_major_formatter("{x:g}")
                 axis.set_minor_locator(NullLocator())
+        handles, labels = squares[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
     return Picture(
         "lag",
         figure,
-        "By the sensor's own reckoning; the dotted line is the configured bandwidth.",
-        "Deviation of the string's top torque and of the confirmed bit speed, and lag, over bandwidth.",
+        "By the sensor's own reckoning, for two sizes of the rock's own torque, one standard deviation each; "
+        "the dotted line is the configured lag.",
+        "Standard deviations of confirmed bit speed and torque, and of the string's top, over lag.",
     )

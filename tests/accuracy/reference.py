@@ -11,7 +11,7 @@ import numpy as np
 from tests.accuracy import limits, lumps, words
 from tests.accuracy.score import Answer, Score, answer, score, span, surface_speed
 from tests.accuracy.wrong import rough_law, wrongs
-from tests.cases import Columns, estimated, reference_rig, table
+from tests.cases import Columns, Run, reference_rig, run, table
 from vsensor.config import Rig
 from vsensor.estimator.estimator import Estimator
 from vsensor.units import factor
@@ -54,9 +54,14 @@ class Case:
         return table(self.folder / f"{self.name}_downhole.csv")
 
     @cached_property
+    def run_right(self) -> Run:
+        """What comes of the right configuration,"""
+        return self.run(self.rig)
+
+    @property
     def right(self) -> Columns:
-        """The estimates of the right configuration."""
-        return self.estimated(self.rig)
+        """and the estimates of it."""
+        return self.run_right.told
 
     @cached_property
     def tried(self) -> dict[lumps.Tuning, lumps.Filtered]:
@@ -78,9 +83,9 @@ class Case:
         """The rock's own torque."""
         return limits.Rock(*json.loads((self.folder / f"{self.name}.json").read_text())["bit_noise"])
 
-    def estimated(self, rig: Rig) -> Columns:
-        """The estimates of any configuration."""
-        return estimated(rig, self.folder / f"{self.name}_surface.csv")
+    def run(self, rig: Rig) -> Run:
+        """What comes of any configuration."""
+        return run(rig, self.folder / f"{self.name}_surface.csv")
 
     def of_lumps(self, filtered: lumps.Filtered, lag: int) -> Answer:
         """What a two-lump filter says `lag` samples late."""
@@ -190,12 +195,12 @@ def wrong(case: Case) -> Iterator[str]:
     yield words.WRONG_ROWS
     tuning = case.tuned_by_truth(case.lag)
     for name, rig in wrongs(case.rig).items():
-        told = case.right if rig is case.rig else case.estimated(rig)
+        told, corrected = case.run_right if rig is case.rig else case.run(rig)
         yardstick = case.of_lumps(lumps.watched(rig, case.surface, tuning), case.lag)
         answers = [yardstick, *(answer(told, kind) for kind in KINDS)]
         soon, late = ([case.score(of, start) for of in answers] for start in (FROM_S, LATE_S))
         cells = [f"{a} ({b})" for a, b in zip(_wrong_cells(soon), _wrong_cells(late), strict=True)]
-        yield f"| {name} | {' | '.join(cells)} |"
+        yield f"| {name} | {' | '.join(cells)} | {' | '.join(f'{share:+.1%}' for share in corrected)} |"
 
 
 def _wrong_cells(of: list[Score]) -> list[str]:
@@ -211,7 +216,7 @@ def _wrong_cells(of: list[Score]) -> list[str]:
 
 def scratch(case: Case) -> Iterator[str]:
     """A case whose load law starts from a rough guess."""
-    told = case.estimated(rough_law(case.rig))
+    told = case.run(rough_law(case.rig)).told
     for kind in KINDS:
         rough, right = (case.score(answer(of, kind), LEARNED_S) for of in (told, case.right))
         cells = [f"{a} ({b})" for a, b in zip(_scratch_cells(rough), _scratch_cells(right), strict=True)]

@@ -1,4 +1,4 @@
-"""The line's kernels, descent and march, beside the very same loops in C, compiled while we run."""
+"""The string's kernels, march and observer, beside the very same loops in C, compiled while we run."""
 
 import ctypes
 from collections.abc import Callable, Iterator, Mapping
@@ -7,155 +7,176 @@ from typing import NamedTuple
 import numpy as np
 
 from vsensor.bench.compiler import FLAGS, NO_COMPILER, compiler, compiler_version, library
+from vsensor.bench.record import drilled
 from vsensor.bench.rounds import Times, alternate
 from vsensor.bench.table import Cell, Table
 from vsensor.bench.well import deep_well
+from vsensor.config import Rig
 from vsensor.errors import VsensorError
-from vsensor.estimator.line import FADE_SPEED, descend, march
-from vsensor.estimator.load import Load, load_of
-from vsensor.estimator.sections import Floats, Line, cut
+from vsensor.estimator import observe
+from vsensor.estimator.ahead import predict
+from vsensor.estimator.along import keep_returned
+from vsensor.estimator.estimator import Estimator
+from vsensor.estimator.learn import load_in_force
+from vsensor.estimator.line import FADE_SPEED
+from vsensor.estimator.sections import Floats
+from vsensor.estimator.state import Model, State, fill, flat, fresh
 from vsensor.jit import compiled
 
 RATE_HZ = 1000.0
 """The kernels step at this rate."""
-STEPS = 2000
-"""Steps of a descent, which takes about half a millisecond: short beside whatever else the machine does."""
+RECORD_S = 20.0
+"""So much has been drilled before."""
+STEPS = 1000
+"""Steps of the observer at once, which take about a millisecond: short beside what else the machine does."""
 MARCHES = 4
+CORRECTIONS = 20
+INNOVATION = 0.01
+"""rad/s, one way and the other in turn, so that the string stays what it is."""
 AGREEMENT = 1e-12
 """Ours and theirs may differ by so much of the largest number: C may fuse multiply and add."""
+COMPARED = ("waves", "returned", "junctions", "balances", "rock", "told", "marching", "ahead")
+MEASURES = {"balances": "waves"}
+"""What the largest is taken from, where not from the array itself: balances are differences of torques."""
 
 
 class Case(NamedTuple):
     """What both are given."""
 
-    line: Line
-    load: Load
+    rig: Rig
+    model: Model
+    state: State
+    """After a record of drilling."""
     torque: Floats
-    speed: Floats
-    reach: int
-    """Steps of a march: what the waves in the string foretell."""
-
-
-class Results(NamedTuple):
-    """What a contestant leaves behind; each has its own."""
-
-    waves: Floats
-    returned: Floats
-    junctions: Floats
-    bottom: Floats
-    marching: Floats
-    told: Floats
+    """At the string, N·m, for what follows; shape (STEPS,)."""
+    innovation: Floats
+    """rad/s, shape (CORRECTIONS,)."""
 
 
 class Contestant(NamedTuple):
-    """Descent and march of one make."""
+    """March, step and correction of one make."""
 
-    descend: Callable[[], object]
     march: Callable[[], object]
-    results: Results
+    step: Callable[[], object]
+    correct: Callable[[], object]
+    state: State
+    """What they leave behind; each has its own."""
 
 
 def tables(seconds: float) -> Iterator[Table]:
-    """Time descent and march for `seconds` altogether. Raises VsensorError where C says something else."""
+    """Time the kernels for `seconds` altogether. Raises VsensorError where C says something else."""
     case = deep_case()
     contestants = {"ours": _ours(case)}
     if cc := compiler():
         for flags in FLAGS:
             contestants[flags] = _theirs(case, library(cc, "line.c", f"{flags} -DFADE_SPEED={FADE_SPEED!r}"))
     for contestant in contestants.values():
-        contestant.descend()
-        contestant.march()
+        run_once(contestant)
     for flags, contestant in contestants.items():
-        check(contestant.results, contestants["ours"].results, flags)
-    descents = alternate({name: c.descend for name, c in contestants.items()}, seconds / 2)
-    marches = alternate({name: c.march for name, c in contestants.items()}, seconds / 2)
-    sections = len(case.line.impedance)
+        check(contestant.state, contestants["ours"].state, flags)
+    marches = alternate({name: c.march for name, c in contestants.items()}, seconds / 3)
+    steps = alternate({name: c.step for name, c in contestants.items()}, seconds / 3)
+    corrections = alternate({name: c.correct for name, c in contestants.items()}, seconds / 3)
+    sections = len(case.model.line.impedance)
     yield Table(
-        f"The line's kernels: time for one step of one section, 5 km of string in {sections} sections",
+        f"The string's kernels at {RATE_HZ:g} Hz, 5 km of string in {sections} sections",
         ("kernel", "made by", "median, ns", "best, ns", "ours / this"),
         (
-            *_rows("descent", descents, STEPS * sections),
-            *_rows("march", marches, MARCHES * junctions_marched(case)),
+            *_rows("march, a section", marches, MARCHES * junctions_marched(case)),
+            *_rows("observer's step, a section", steps, STEPS * sections),
+            *_rows("correction, a number", corrections, CORRECTIONS * corrected(case)),
         ),
         (
             f"C by {compiler_version(cc)}, the numbers the same within {AGREEMENT:g}" if cc else NO_COMPILER,
-            f"march: with the bit's load law; a whole one, {case.reach} steps of 1 ms over the "
+            f"march: with the bit's load law; a whole one, {case.model.forecast} steps of 1 ms over the "
             f"junctions that matter, takes {marches['ours'].median / MARCHES / 1e3:.0f} µs",
+            f"an innovation corrects {corrected(case)} numbers, which takes "
+            f"{corrections['ours'].median / CORRECTIONS / 1e3:.0f} µs",
         ),
     )
 
 
 def deep_case() -> Case:
-    """A deep string that drills, torque and speed swinging and with the noise of real sensors."""
+    """A deep string that drills, observed for a while."""
     rig = deep_well(RATE_HZ)
-    line = cut(rig.string, 1 / RATE_HZ, rig.estimator.section_length)
-    random = np.random.default_rng(1)
-    phase = 2 * np.pi * 0.2 / RATE_HZ * np.arange(STEPS)
-    torque = 25e3 + 2e3 * np.sin(phase) + rig.measurement.torque_noise * random.standard_normal(STEPS)
-    speed = 12 + np.cos(phase) + rig.measurement.speed_noise * random.standard_normal(STEPS)
-    return Case(line, load_of(rig.bit, 1 / RATE_HZ), torque, speed, int(line.round_trip.sum()))
+    torque, speed = drilled(rig, round(RECORD_S * RATE_HZ) + STEPS)
+    estimator = Estimator(rig)
+    estimator.run(torque[:-STEPS], speed[:-STEPS])
+    model, state = estimator._model, estimator._state
+    turns = np.resize([INNOVATION, -INNOVATION], CORRECTIONS)
+    return Case(rig, model, state, model.passed * torque[-STEPS:], turns)
 
 
 def junctions_marched(case: Case) -> int:
     """How many junctions a march solves: the one below section i matters while its wave can reach the bit."""
-    trips = case.line.round_trip
+    trips, reach = case.model.line.round_trip, case.model.forecast
     below = np.cumsum(trips[::-1])[::-1] - trips
-    return int(np.clip(case.reach - below, 0, case.reach).sum())
+    return int(np.clip(reach - below, 0, reach).sum())
 
 
-def check(theirs: Results, ours: Results, made: str) -> None:
+def corrected(case: Case) -> int:
+    """How many numbers of the past an innovation corrects."""
+    gains = case.model.gains
+    return int(gains.waves[0].size + gains.returned[0].size + gains.told[0].size)
+
+
+def run_once(contestant: Contestant) -> None:
+    """Let a contestant do everything, so that there is something to compare."""
+    contestant.step()
+    contestant.correct()
+    contestant.march()
+
+
+def check(theirs: State, ours: State, made: str) -> None:
     """Raise VsensorError where two contestants do not agree."""
-    for name, a, b in zip(Results._fields, theirs, ours, strict=True):
-        worst = float(np.abs(a - b).max() / np.abs(b).max())
+    for name in COMPARED:
+        a, b = getattr(theirs, name), getattr(ours, name)
+        largest = np.abs(getattr(ours, MEASURES.get(name, name))).max()
+        worst = float(np.abs(a - b).max() / largest)
         if not worst <= AGREEMENT:
             raise VsensorError(f"line.c ({made}) and ours differ in {name} by {worst:.1e} of the largest")
 
 
-def _results(case: Case) -> Results:
-    sections = len(case.line.impedance)
-    size = 1 << int(STEPS + case.reach).bit_length()
-    return Results(
-        waves=np.zeros((sections, size)),
-        returned=np.zeros((sections, size)),
-        junctions=np.zeros(sections + 1),
-        bottom=np.zeros((2, STEPS)),
-        marching=np.zeros(sections + 1),
-        told=np.zeros((2, case.reach)),
-    )
+def _own(case: Case) -> State:
+    state = fresh(case.model, case.rig.bit, case.rig.tuning)
+    fill(state, flat(case.state))
+    return state
 
 
 def _ours(case: Case) -> Contestant:
-    r = _results(case)
+    state = _own(case)
     return Contestant(
-        lambda: _descend_all(case.line, r.waves, r.returned, r.junctions, case.torque, case.speed, r.bottom),
-        lambda: _march_all(case.line, case.load, r.waves, case.reach, r.junctions, r.marching, r.told),
-        r,
+        lambda: _march_all(case.model, state),
+        lambda: _step_all(case.model, state, case.state, case.torque),
+        lambda: _correct_all(case.model, state, case.innovation),
+        state,
     )
 
 
 @compiled
-def _descend_all(
-    line: Line,
-    waves: Floats,
-    returned: Floats,
-    speeds: Floats,
-    torque: Floats,
-    speed: Floats,
-    bottom: Floats,
-) -> None:
-    for step in range(torque.shape[0]):
-        bottom[0, step], bottom[1, step] = descend(
-            line, waves, returned, speeds, step, torque[step], speed[step]
-        )
+def _march_all(model: Model, state: State) -> None:
+    for _ in range(MARCHES):
+        predict(model, state)
 
 
 @compiled
-def _march_all(
-    line: Line, load: Load, waves: Floats, reach: int, start: Floats, speeds: Floats, told: Floats
-) -> None:
-    for _ in range(MARCHES):
-        speeds[:] = start
-        march(line, load, waves, STEPS - 1, reach, STEPS - 1, reach, 0.0, speeds, 0.0, told)
+def _step_all(model: Model, state: State, start: State, torque: Floats) -> None:
+    state.junctions[:] = start.junctions
+    state.balances[:] = start.balances
+    state.rock[:] = start.rock
+    line = observe.line_of(model, 0)
+    first = state.ticks[0] * model.steps
+    for k in range(torque.shape[0]):
+        observe._turn(model, state, 0, line, first + k, torque[k], 0.0, False)
+        keep_returned(line, state.waves[0], state.junctions[0], first + k, state.returned)
+
+
+@compiled
+def _correct_all(model: Model, state: State, innovation: Floats) -> None:
+    for k in range(innovation.shape[0]):
+        observe._correct(model, state, 0, innovation[k])
+        observe._correct_waves(model, state, model.gains.waves, state.waves[0], innovation[k])
+        observe._correct_waves(model, state, model.gains.returned, state.returned, innovation[k])
 
 
 class _Line(ctypes.Structure):
@@ -164,26 +185,52 @@ class _Line(ctypes.Structure):
     ]
 
 
+_OF_STRING = ("waves", "returned", "junctions", "balances", "rock", "told", "ahead")
+
+
+class _String(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_void_p) for name in _OF_STRING] + [
+        (name, ctypes.c_int64) for name in ("size", "room")
+    ]
+
+
 def _theirs(case: Case, c: ctypes.CDLL) -> Contestant:
-    r = _results(case)
-    line = ctypes.byref(_Line(len(case.line.impedance), *(a.ctypes.data for a in case.line)))
-    load = (ctypes.c_double * len(case.load))(*case.load)
-    number = ctypes.c_int64
-    waves, size = _at(r.waves), number(r.waves.shape[1])
+    model, state = case.model, _own(case)
+    sections, number = len(model.line.impedance), ctypes.c_int64
+    line = ctypes.byref(_Line(sections, *(_at(array) for array in model.line[:5])))
+    law = load_in_force(state.learned, model.bit_rate)
+    load = (ctypes.c_double * len(law))(*law)
+    drive = (ctypes.c_double * 2)(float(model.drive_rates[0]), model.fade)
+    rings = [_at(getattr(state, name)) for name in _OF_STRING]
+    string = ctypes.byref(_String(*rings, state.waves.shape[2], state.ahead.shape[1]))
+    first = int(state.ticks[0]) * model.steps
+    gains = [np.ascontiguousarray(of[state.level[0]]) for of in _gains(model)]
+    lag = number(gains[-1].shape[1])
 
-    def all_steps() -> None:
-        given = (_at(case.torque), _at(case.speed), number(STEPS))
-        c.descend(line, waves, _at(r.returned), size, _at(r.junctions), *given, _at(r.bottom))
+    def march() -> None:
+        span = (number(first + model.steps - 1), number(model.forecast))
+        c.foretell(
+            line, load, string, *span, ctypes.c_double(model.fade), _at(state.marching), number(MARCHES)
+        )
 
-    def all_marches() -> None:
-        span = (number(STEPS - 1), number(case.reach))
-        held = (_at(r.junctions), _at(r.marching), _at(r.told))
-        c.march(line, load, waves, size, *span, *held, number(MARCHES))
+    def step() -> None:
+        for name in ("junctions", "balances", "rock"):
+            getattr(state, name)[:] = getattr(case.state, name)
+        c.turn(line, load, drive, string, number(first), _at(case.torque), number(STEPS))
 
-    return Contestant(all_steps, all_marches, r)
+    def correct() -> None:
+        span = (number(sections), lag, string, number(first + model.steps - 1))
+        c.correct(*map(_at, gains), *span, _at(case.innovation), number(CORRECTIONS))
+
+    return Contestant(march, step, correct, state)
 
 
-def _at(array: Floats) -> ctypes.c_void_p:
+def _gains(model: Model) -> tuple[Floats, Floats, Floats, Floats]:
+    gains = model.gains
+    return gains.state, gains.waves, gains.returned, gains.told
+
+
+def _at(array: np.ndarray) -> ctypes.c_void_p:
     return ctypes.c_void_p(array.ctypes.data)
 
 

@@ -1,6 +1,6 @@
-/* The descent and the march of vsensor/estimator/line.py and load.py as a C programmer would write
- * them: the same arithmetic in the same order on arrays of the same layout. The yardstick of
- * `vsensor bench kernel`. FADE_SPEED comes by the command line. */
+/* The march, the observer's step and its corrections (vsensor/estimator/line.py, load.py, along.py and
+ * observe.py) as a C programmer would write them: the same arithmetic in the same order on arrays of the
+ * same layout. The yardstick of `vsensor bench kernel`. FADE_SPEED comes by the command line. */
 
 #include <math.h>
 #include <stdint.h>
@@ -24,32 +24,6 @@ static inline double rubbing(const struct line *line, int64_t junction, double s
     if (share > 1.0)
         share = 1.0;
     return line->viscous[junction] * speed + line->kinetic[junction] * share;
-}
-
-/* waves, returned: sections rings of `size` (a power of two) one behind the other; bottom: n torques, n speeds */
-void descend(const struct line *line, double *waves, double *returned, int64_t size, double *speeds,
-             const double *torque, const double *speed, int64_t n, double *bottom)
-{
-    const int64_t mask = size - 1;
-    for (int64_t step = 0; step < n; step++) {
-        double w = speed[step];
-        double t = torque[step] - rubbing(line, 0, w);
-        speeds[0] = w;
-        for (int64_t i = 0; i < line->sections; i++) {
-            double *ring = waves + i * size;
-            const double z = line->impedance[i];
-            const double f = t + z * w, g = t - z * w;
-            ring[step & mask] = f;
-            returned[i * size + (step & mask)] = g;
-            const double arrived = ring[(step - line->round_trip[i]) & mask];
-            t = 0.5 * (arrived + g);
-            w = 0.5 * (arrived - g) / z;
-            t -= rubbing(line, i + 1, w);
-            speeds[i + 1] = w;
-        }
-        bottom[step] = t;
-        bottom[n + step] = w;
-    }
 }
 
 static double law(const struct load *load, double speed)
@@ -109,44 +83,132 @@ static inline double contact(double drive, double resistance, double kinetic, do
     return copysign(fabs(drive) - kinetic, drive) / resistance;
 }
 
-/* `times` marches of `steps` steps after step `known`, each from the speeds in `start` */
-void march(const struct line *line, const struct load *load, double *waves, int64_t size, int64_t known,
-           int64_t steps, const double *start, double *speeds, double *told, int64_t times)
+/* Waves are rings of `size` (a power of two), one a section; told: four of them; ahead: two rows of `room`. */
+struct string {
+    double *waves, *returned, *junctions, *balances, *rock, *told, *ahead;
+    int64_t size, room;
+};
+
+struct drive {
+    double rate, fade;
+};
+
+static double march(const struct line *line, const struct load *load, double *waves, int64_t size,
+                    int64_t known, int64_t steps, int64_t heard, int64_t reach, double external, double fade,
+                    double *speeds, double *balance, double *told, int64_t room)
 {
     const int64_t mask = size - 1, last = line->sections - 1;
     const double foot = line->impedance[last];
-    for (int64_t time = 0; time < times; time++) {
-        int64_t highest = 0, matters = steps;
-        double balance = 0;
-        for (int64_t i = 0; i <= last + 1; i++)
-            speeds[i] = start[i];
-        for (int64_t i = 1; i <= last; i++)
-            matters -= line->round_trip[i];
-        for (int64_t ahead = 1; ahead <= steps; ahead++) {
-            while (ahead > matters && highest < last)
-                matters += line->round_trip[++highest];
-            const int64_t step = known + ahead;
-            int64_t left = step - line->round_trip[last];
-            if (last == 0 && left > known)
-                left = known;
-            double f = waves[last * size + (left & mask)];
-            double w = turn_bit(load, line, f, speeds[last + 1], &balance);
-            speeds[last + 1] = w;
-            told[ahead - 1] = w;
-            told[steps + ahead - 1] = w != 0 ? law(load, w) : f;
-            double g = f - 2 * foot * w;
-            for (int64_t i = last - 1; i >= highest; i--) {
-                left = step - line->round_trip[i];
-                if (i == 0 && left > known)
-                    left = known;
-                f = waves[i * size + (left & mask)];
-                const double z = line->impedance[i], below = line->impedance[i + 1];
-                w = contact(f - g, z + below + line->viscous[i + 1], line->kinetic[i + 1],
-                            line->held[i + 1], speeds[i + 1]);
-                speeds[i + 1] = w;
-                waves[(i + 1) * size + (step & mask)] = g + 2 * below * w;
-                g = f - 2 * z * w;
-            }
+    int64_t highest = 0, matters = reach;
+    double g = 0;
+    for (int64_t i = 1; i <= last; i++)
+        matters -= line->round_trip[i];
+    for (int64_t ahead = 1; ahead <= steps; ahead++) {
+        while (ahead > matters && highest < last)
+            matters += line->round_trip[++highest];
+        const int64_t step = known + ahead;
+        int64_t left = step - line->round_trip[last];
+        if (last == 0 && left > heard)
+            left = heard;
+        double f = waves[last * size + (left & mask)] - external;
+        double w = turn_bit(load, line, f, speeds[last + 1], balance);
+        speeds[last + 1] = w;
+        told[ahead - 1] = w;
+        told[room + ahead - 1] = external + (w != 0 ? law(load, w) : f);
+        g = f + external - 2 * foot * w;
+        external *= fade;
+        for (int64_t i = last - 1; i >= highest; i--) {
+            left = step - line->round_trip[i];
+            if (i == 0 && left > heard)
+                left = heard;
+            f = waves[i * size + (left & mask)];
+            const double z = line->impedance[i], below = line->impedance[i + 1];
+            w = contact(f - g, z + below + line->viscous[i + 1], line->kinetic[i + 1], line->held[i + 1],
+                        speeds[i + 1]);
+            speeds[i + 1] = w;
+            waves[(i + 1) * size + (step & mask)] = g + 2 * below * w;
+            g = f - 2 * z * w;
         }
+    }
+    return g;
+}
+
+/* `times` marches of `steps` steps after step `known`, each from the string as it stands */
+void foretell(const struct line *line, const struct load *load, struct string *s, int64_t known, int64_t steps,
+              double fade, double *marching, int64_t times)
+{
+    for (int64_t time = 0; time < times; time++) {
+        double balance = s->balances[1];
+        for (int64_t i = 0; i <= line->sections; i++)
+            marching[i] = s->junctions[i];
+        march(line, load, s->waves, s->size, known, steps, known, steps, *s->rock * fade, fade, marching,
+              &balance, s->ahead, s->room);
+    }
+}
+
+/* `n` steps of the whole string from step `first` on, by the motor's torque */
+void turn(const struct line *line, const struct load *load, const struct drive *drive, struct string *s,
+          int64_t first, const double *torque, int64_t n)
+{
+    const int64_t size = s->size, mask = size - 1;
+    const double z = line->impedance[0];
+    for (int64_t k = 0; k < n; k++) {
+        const int64_t step = first + k, now = step & mask;
+        *s->rock *= drive->fade;
+        const double g = march(line, load, s->waves, size, step - 1, 1, step - 1, INT64_C(1) << 60, *s->rock,
+                               1.0, s->junctions, s->balances + 1, s->ahead, s->room);
+        const double pull = torque[k] - g, before = s->junctions[0];
+        const double w = contact(pull + drive->rate * before + s->balances[0],
+                                 drive->rate + z + line->viscous[0], line->kinetic[0], line->held[0], before);
+        s->balances[0] = w != 0 ? drive->rate * (w - before) - s->balances[0] : 0;
+        s->junctions[0] = w;
+        s->waves[now] = g + 2 * z * w;
+        s->told[now] = s->ahead[0];
+        s->told[size + now] = s->ahead[s->room];
+        s->told[2 * size + now] = w;
+        s->told[3 * size + now] = g + z * w + rubbing(line, 0, w);
+        for (int64_t i = 0; i < line->sections; i++) {
+            const double arrived = s->waves[i * size + ((step - line->round_trip[i]) & mask)];
+            s->returned[i * size + now] = arrived - 2 * line->impedance[i] * s->junctions[i + 1];
+        }
+    }
+}
+
+static void correct_waves(const double *gains, int64_t sections, int64_t lag, double *waves, int64_t size,
+                          int64_t last, double innovation)
+{
+    const int64_t mask = size - 1;
+    for (int64_t i = 0; i < sections; i++)
+        for (int64_t ago = 0; ago < lag; ago++)
+            waves[i * size + ((last - ago) & mask)] += gains[i * lag + ago] * innovation;
+}
+
+/* Corrections by `n` innovations; gains: state (5), waves and returned (sections × lag), told (4 × lag) */
+void correct(const double *state, const double *waves, const double *returned, const double *told,
+             int64_t sections, int64_t lag, struct string *s, int64_t last, const double *innovation, int64_t n)
+{
+    const int64_t size = s->size, mask = size - 1;
+    for (int64_t k = 0; k < n; k++) {
+        const double by = innovation[k];
+        if (s->junctions[0] != 0) {
+            s->junctions[0] += state[0] * by;
+            s->balances[0] += state[1] * by;
+        }
+        if (s->junctions[sections] != 0) {
+            s->junctions[sections] += state[2] * by;
+            s->balances[1] += state[3] * by;
+        }
+        *s->rock += state[4] * by;
+        correct_waves(waves, sections, lag, s->waves, size, last, by);
+        for (int64_t ago = 0; ago < lag; ago++) {
+            const int64_t at = (last - ago) & mask;
+            if (s->told[at] != 0) {
+                s->told[at] += told[ago] * by;
+                s->told[size + at] += told[lag + ago] * by;
+            }
+            s->told[2 * size + at] += told[2 * lag + ago] * by;
+            s->told[3 * size + at] += told[3 * lag + ago] * by;
+        }
+        correct_waves(returned, sections, lag, s->returned, size, last, by);
     }
 }

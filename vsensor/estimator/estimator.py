@@ -11,7 +11,7 @@ from vsensor.config import Bit, Component, Rig
 from vsensor.estimator import kernel
 from vsensor.estimator.along import Stations, along, stations
 from vsensor.estimator.carry import carry
-from vsensor.estimator.gains import TOLD_TOP_SPEED, Plant, gains, rock_fade
+from vsensor.estimator.gains import TOLD_TOP_SPEED, Gains, Plant, gains, rock_fade
 from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.sections import Floats, Line, cut, junction_depths, steps_per_tick
 from vsensor.estimator.state import (
@@ -65,8 +65,8 @@ class Estimator:
         self._lay_out()
         self.reset()
         # Compiled, or loaded, here: never at the first tick.
-        nothing = np.empty((2, 0))
-        self._advance(*nothing, np.empty(0, np.uint32), np.empty((0, kernel.COLUMNS)), np.empty(0, np.uint32))
+        none, flags = np.empty(0), np.empty(0, np.uint32)
+        self._advance(none, none, flags, np.empty((0, kernel.COLUMNS)), flags)
         self.profile()
 
     def _lay_out(self) -> None:
@@ -124,6 +124,11 @@ class Estimator:
     def bandwidth(self) -> float:
         """The frequency up to which at least half of the rock's torque is told, Hz."""
         return float(self._model.gains.band[self._state.level[0]])
+
+    @property
+    def gains(self) -> Gains:
+        """How much innovations correct, and what error they leave, for each level of the rock."""
+        return self._model.gains
 
     @property
     def tuning(self) -> Floats:

@@ -17,15 +17,15 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vsensor.estimator.along import Stations, keep_returned
 from vsensor.estimator.line import EVERY_JUNCTION, march, turn_top
 from vsensor.estimator.load import Load
-from vsensor.estimator.sections import Floats, Line
+from vsensor.estimator.sections import Floats, Integers, Line
+from vsensor.estimator.spectra import Complexes, factorised, half_told, power, rounded, since
 from vsensor.jit import compiled
 
-ROCK_LEVELS = 25.0 * 2.0 ** np.arange(9)
+ROCK_LEVELS: Floats = np.ldexp(25.0, np.arange(9))
 """Standard deviations of the rock's torque, N·m, for which gains are kept ready: 25 N·m to 6.4 kN·m."""
 ROCK_MEMORY_S = 0.3
 """Correlation time of the rock's torque: with 0.1 or 1 s instead, the answers are hardly worse."""
@@ -82,21 +82,28 @@ class Plant(NamedTuple):
     speed_noise: float
 
 
+class _Seats(NamedTuple):
+    """Where the stations find their waves: those that go down, then those that come back; shapes (2, n)."""
+
+    row: Integers
+    """Which internal step of a tick,"""
+    late: Integers
+    """and how many ticks before the bit's."""
+
+
 class _Responses(NamedTuple):
     """Spectra of the answers to one unknown's unit impulse, at the ticks; F frequencies."""
 
-    seen: NDArray[np.complex128]
+    seen: Complexes
     """Top speed, shape (F,)."""
-    state: NDArray[np.complex128]
+    state: Complexes
     """Shape (5, F)."""
-    waves: NDArray[np.complex128]
-    """At each internal step of the tick, shape (M, steps, F)."""
-    returned: NDArray[np.complex128]
-    """The same of the waves that come back."""
-    told: NDArray[np.complex128]
+    waves: Complexes
+    """At the sections' tops, down and back, at each internal step of the tick, shape (2, M, steps, F)."""
+    told: Complexes
     """Shape (4, steps, F)."""
-    along: NDArray[np.complex128]
-    """Speed and torque at n stations, when the bit of the same moment stands at the tick; shape (2 n, F)."""
+    along: Floats
+    """Sums of squares of speed and torque at n stations, over all ticks, shape (2, n)."""
 
 
 def rock_fade(rate: float) -> float:
@@ -108,24 +115,14 @@ def gains(plant: Plant, at: Stations, lag: int, ahead: tuple[float, float]) -> G
     """The gains of a string for answers `lag` ticks late, and foretold so many ticks ahead."""
     ticks = 1 << (round(HORIZON_S * plant.rate) - 1).bit_length()
     of_rock, of_noise = (_responses(plant, at, ticks, by_rock=by_rock) for by_rock in (True, False))
-    each = [_at_level(plant, of_rock, of_noise, float(level), lag, ahead) for level in ROCK_LEVELS]
-    columns = [_rounded(np.array(column)) for column in zip(*each, strict=True)]
+    each = [_at_level(plant, at, of_rock, of_noise, float(level), lag, ahead) for level in ROCK_LEVELS]
+    columns = [rounded(np.array(column)) for column in zip(*each, strict=True)]
     return Gains(ROCK_LEVELS.copy(), *columns)
-
-
-def _rounded(column: Floats) -> Floats:
-    """Each row to 26 bits of its greatest.
-
-    The last bits of transforms and logarithms differ between processors; a session must come out the
-    same on each.
-    """
-    greatest = np.abs(column).max(axis=-1, keepdims=True) if column.ndim > 1 else np.abs(column)
-    grid = np.ldexp(1.0, np.frexp(greatest)[1] - 26)
-    return np.asarray(np.rint(column / grid) * grid, np.float64)
 
 
 def _at_level(
     plant: Plant,
+    at: Stations,
     of_rock: _Responses,
     of_noise: _Responses,
     level: float,
@@ -138,46 +135,42 @@ def _at_level(
     speed_noise = max(plant.speed_noise, LEAST_SPEED_NOISE)
     by_rock = kick * np.abs(of_rock.seen) ** 2
     seen = by_rock + noise * np.abs(of_noise.seen) ** 2 + speed_noise**2
-    innovation, causal = _factorised(seen)
+    innovation, causal = factorised(seen)
+    tells_rock, tells_motor = (
+        share * of.seen.conj() / (causal.conj() * innovation)
+        for share, of in ((kick, of_rock), (noise, of_noise))
+    )
 
-    def respond(rock: NDArray[np.complex128], motor: NDArray[np.complex128]) -> Floats:
-        together = kick * rock * of_rock.seen.conj() + noise * motor * of_noise.seen.conj()
-        response: Floats = np.fft.irfft(together / causal.conj(), ticks) / innovation
+    def respond(rock: Complexes, motor: Complexes) -> Floats:
+        response: Floats = np.fft.irfft(rock * tells_rock + motor * tells_motor, ticks)
         return response
 
-    def left(rock: NDArray[np.complex128], motor: NDArray[np.complex128], *starts: int) -> list[Floats]:
+    def left(altogether: Floats, squares: Floats, start: int) -> Floats:
         """Variances of what innovations up to so many ticks before, or after, have not told."""
-        apart = kick * np.abs(rock) ** 2 + noise * np.abs(motor) ** 2
-        altogether = np.fft.irfft(apart, ticks)[..., 0]
-        squares = respond(rock, motor) ** 2
-        return [np.maximum(altogether - innovation * _since(squares, start), 0.0) for start in starts]
+        return np.maximum(altogether - innovation * since(squares, start), 0.0)
 
     told = respond(of_rock.told, of_noise.told)
-    bit_and_top = of_rock.told[:, -1], of_noise.told[:, -1]
-    confirmed, *unforeseen = left(*bit_and_top, 1 - lag, *map(round, ahead))
-    (along,) = left(of_rock.along, of_noise.along, 1 - lag)
+    bit_and_top = kick * power(of_rock.told[:, -1]) + noise * power(of_noise.told[:, -1])
+    squares = told[:, -1] ** 2
+    unforeseen = [left(bit_and_top, squares, round(when))[:TOLD_TOP_SPEED] for when in ahead]
+    # One section at a time: at high rates all of them at once are too much for the processor's caches.
+    waves = np.empty((*of_rock.waves.shape[:-1], ticks))
+    for way, section in np.ndindex(*waves.shape[:2]):
+        waves[way, section] = respond(of_rock.waves[way, section], of_noise.waves[way, section])
+    down, back = (_newest_first(those, lag) for those in waves)
+    told_along = _squares_along(plant, at, np.roll(waves, ticks // 2, axis=-1), ticks // 2 + 1 - lag, ticks)
+    along = kick * of_rock.along + noise * of_noise.along - innovation * told_along
     return (
         innovation,
         respond(of_rock.state, of_noise.state)[:, 0],
-        _newest_first(respond(of_rock.waves, of_noise.waves), lag),
-        _newest_first(respond(of_rock.returned, of_noise.returned), lag),
+        down,
+        back,
         _newest_first(told, lag),
-        confirmed,
-        np.array(unforeseen)[:, :TOLD_TOP_SPEED],
-        along.reshape(2, -1),
-        _half_told(by_rock / seen, plant.rate),
+        left(bit_and_top, squares, 1 - lag),
+        np.array(unforeseen),
+        np.maximum(along, 0.0),
+        half_told(by_rock / seen, plant.rate),
     )
-
-
-def _factorised(spectrum: Floats) -> tuple[float, NDArray[np.complex128]]:
-    """Innovation variance s and H of a spectrum s |H|²: the causal half of the logarithm's transform."""
-    ticks = 2 * (len(spectrum) - 1)
-    cepstrum = np.fft.irfft(np.log(spectrum), ticks)
-    variance = float(np.exp(cepstrum[0]))
-    cepstrum[0] = 0.0
-    cepstrum[ticks // 2] *= 0.5
-    cepstrum[ticks // 2 + 1 :] = 0.0
-    return variance, np.exp(np.fft.rfft(cepstrum, ticks))
 
 
 def _newest_first(responses: Floats, lag: int) -> Floats:
@@ -187,20 +180,6 @@ def _newest_first(responses: Floats, lag: int) -> Floats:
     return np.ascontiguousarray(rows.reshape(*rows.shape[:-2], -1))
 
 
-def _since(squares: Floats, start: int) -> Floats:
-    """Sum of squares (…, ticks) from tick `start` on: what innovations until then have told."""
-    half = squares.shape[-1] // 2
-    future = squares[..., squares.shape[-1] + start :].sum(axis=-1) if start < 0 else 0.0
-    return np.asarray(squares[..., max(start, 0) : half].sum(axis=-1) + future)
-
-
-def _half_told(share: Floats, rate: float) -> float:
-    """The highest frequency below which the rock makes more than half of what is seen, Hz."""
-    lost = np.flatnonzero(share[1:] < 0.5)
-    first = int(lost[0]) if len(lost) else len(share) - 1
-    return first * rate / (2 * (len(share) - 1))
-
-
 def _responses(plant: Plant, at: Stations, ticks: int, *, by_rock: bool) -> _Responses:
     line = plant.line
     free = line._replace(kinetic=np.zeros_like(line.kinetic), static=np.zeros_like(line.static))
@@ -208,7 +187,7 @@ def _responses(plant: Plant, at: Stations, ticks: int, *, by_rock: bool) -> _Res
     half = ticks // 2
     sections = len(line.impedance)
     state = np.zeros((half, 5))
-    waves = np.zeros((2, half * plant.steps, sections))
+    waves = np.zeros((half * plant.steps, 2 * sections))
     told = np.zeros((half * plant.steps, 4))
     fade = rock_fade(plant.rate * plant.steps)
     size = 1 << int(line.round_trip.max() + plant.steps).bit_length()
@@ -216,39 +195,51 @@ def _responses(plant: Plant, at: Stations, ticks: int, *, by_rock: bool) -> _Res
     _strike(free, load, plant.drive_rate, plant.steps, fade, by_rock, rings, state, waves, told)
     forgets = np.exp(-np.arange(half) / (MEMORY_S * plant.rate))
 
-    def spectra(columns: Floats) -> NDArray[np.complex128]:
-        """Of columns (half · steps, K): shape (K, steps, F)."""
-        by_step = columns.reshape(half, -1, columns.shape[1]).transpose(2, 1, 0)
-        return np.fft.rfft(by_step * forgets, ticks)
+    def forgotten(columns: Floats) -> Floats:
+        """Columns (half · steps, K) as rows of ticks: shape (K, steps, half)."""
+        rows = columns.reshape(half, -1, columns.shape[1]).transpose(2, 1, 0)
+        return np.multiply(rows, forgets, order="C")
 
-    of_state = spectra(state)[:, 0]
+    of_state = np.fft.rfft(forgotten(state), ticks)[:, 0]
+    of_waves = forgotten(waves).reshape(2, sections, plant.steps, half)
+    room = int(_seats(plant, at).late.max())
+    padded = np.pad(of_waves, [(0, 0), (0, 0), (0, 0), (room, 0)])
     return _Responses(
         of_state[TOP_SPEED],
         of_state,
-        spectra(waves[0]),
-        spectra(waves[1]),
-        spectra(told),
-        spectra(_along(free, at, waves)[plant.steps - 1 :: plant.steps])[:, 0],
+        np.fft.rfft(of_waves, ticks),
+        np.fft.rfft(forgotten(told), ticks),
+        _squares_along(plant, at, padded, room, half + room),
     )
 
 
-def _along(line: Line, at: Stations, waves: Floats) -> Floats:
-    """Speed and torque at the stations, each seen when the bit of the same moment is; shape (steps, 2 n).
+def _seats(plant: Plant, at: Stations) -> _Seats:
+    travel = int(plant.line.round_trip.sum()) // 2
+    step = plant.steps - 1 - travel + np.array([at.down - at.inside, at.down + at.inside])
+    return _Seats(step % plant.steps, -(step // plant.steps))
 
-    `waves` (2, steps, M): those that go down and those that come back, at the sections' tops.
+
+def _squares_along(plant: Plant, at: Stations, waves: Floats, start: int, stop: int) -> Floats:
+    """Sums of squares of speed and torque at n stations, each seen when the bit of the same moment is.
+
+    `waves` (2, M, steps, ticks) at the sections' tops; the bit's ticks are those from `start` on, and what
+    comes back is to be had until `stop`. Speed and torque are made of two waves each: three sums over
+    their products tell both. Shape (2, n).
     """
-    travel = int(line.round_trip.sum()) // 2
-    step = np.arange(waves.shape[1])[:, None] - travel + at.down
-    f = _seen(waves[0], step - at.inside, at.section)
-    g = _seen(waves[1], step + at.inside, at.section)
-    speed = 0.5 * (f - g) / line.impedance[at.section]
-    rubbed = at.above * line.viscous[at.section] - at.below * line.viscous[at.section + 1]
-    return np.concatenate([speed, 0.5 * (f + g) + rubbed * speed], axis=1)
-
-
-def _seen(waves: Floats, step: NDArray[np.int64], section: NDArray[np.int64]) -> Floats:
-    """Waves (steps, M) at steps (steps, n), nothing before the first."""
-    return np.where(step >= 0, waves[np.maximum(step, 0), section], 0.0)
+    line, seats = plant.line, _seats(plant, at)
+    down, both, back = np.empty((3, len(at.section)))
+    for k, section in enumerate(at.section):
+        (of_f, of_g), (f_late, g_late) = seats.row[:, k], seats.late[:, k]
+        f = waves[0, section, of_f, start - f_late : stop - f_late + g_late]
+        g = waves[1, section, of_g, start - g_late : stop]
+        down[k], both[k], back[k] = f @ f, f @ g, g @ g
+    fades = np.exp(-seats.late / (MEMORY_S * plant.rate))
+    down, both, back = down * fades[0] ** 2, both * fades[0] * fades[1], back * fades[1] ** 2
+    turns = 0.5 / line.impedance[at.section]
+    rubbed = turns * (at.above * line.viscous[at.section] - at.below * line.viscous[at.section + 1])
+    speed = turns**2 * (down - 2 * both + back)
+    torque = (0.5 + rubbed) ** 2 * down + 2 * (0.25 - rubbed**2) * both + (0.5 - rubbed) ** 2 * back
+    return np.array([speed, torque])
 
 
 @compiled
@@ -271,7 +262,7 @@ def _strike(
     bit = np.zeros((2, 1))
     top_balance, bit_balance = 0.0, 0.0
     rock = 1.0 if by_rock else 0.0
-    for step in range(waves.shape[1]):
+    for step in range(waves.shape[0]):
         g, bit_balance = march(
             line, load, ring, step - 1, 1, step - 1, EVERY_JUNCTION, rock, 1.0, speeds, bit_balance, bit
         )
@@ -283,7 +274,7 @@ def _strike(
         keep_returned(line, ring, speeds, step, rings[1])
         for way in range(2):
             for i in range(ring.shape[0]):
-                waves[way, step, i] = rings[way, i, step & mask]
+                waves[step, way * ring.shape[0] + i] = rings[way, i, step & mask]
         told[step, TOLD_BIT_SPEED] = bit[0, 0]
         told[step, TOLD_BIT_TORQUE] = bit[1, 0]
         told[step, TOLD_TOP_SPEED] = w
