@@ -20,7 +20,7 @@ from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.learn import load_in_force
 from vsensor.estimator.line import FADE_SPEED
 from vsensor.estimator.sections import Floats
-from vsensor.estimator.state import Model, State, fill, flat, fresh
+from vsensor.estimator.state import Model, State, fill, flat, fresh, line_of, strand
 from vsensor.jit import compiled
 
 RATE_HZ = 1000.0
@@ -164,19 +164,24 @@ def _step_all(model: Model, state: State, start: State, torque: Floats) -> None:
     state.junctions[:] = start.junctions
     state.balances[:] = start.balances
     state.rock[:] = start.rock
-    line = observe.line_of(model, 0)
+    line, string = line_of(model, 0), strand(state, 0)
+    load = load_in_force(state.learned, model.bit_rate)
     first = state.ticks[0] * model.steps
     for k in range(torque.shape[0]):
-        observe._turn(model, state, 0, line, first + k, torque[k], 0.0, False)
+        string.rock[0] *= model.fade
+        observe.turn_by_torque(line, load, model.drive_rates[0], string, state.ahead, first + k, torque[k])
         keep_returned(line, state.waves[0], state.junctions[0], first + k, state.returned)
 
 
 @compiled
 def _correct_all(model: Model, state: State, innovation: Floats) -> None:
+    string, gains, level = strand(state, 0), model.gains, state.level[0]
+    last = state.ticks[0] * model.steps + model.steps - 1
     for k in range(innovation.shape[0]):
-        observe._correct(model, state, 0, innovation[k])
-        observe._correct_waves(model, state, model.gains.waves, state.waves[0], innovation[k])
-        observe._correct_waves(model, state, model.gains.returned, state.returned, innovation[k])
+        observe.correct_ends(gains, level, string, innovation[k])
+        observe.correct_told(gains.told[level], string.told, last, innovation[k])
+        observe.correct_waves(gains.waves[level], string.waves, last, innovation[k])
+        observe.correct_waves(gains.returned[level], state.returned, last, innovation[k])
 
 
 class _Line(ctypes.Structure):

@@ -57,7 +57,7 @@ def march(
     at = foot(line)
     g = 0.0
     highest = 0
-    matters = reach - line.round_trip[1:].sum()
+    matters = reach - line.round_trip[1:].sum() if reach < EVERY_JUNCTION else EVERY_JUNCTION
     for ahead in range(1, steps + 1):
         while ahead > matters and highest < last:
             highest += 1

@@ -21,12 +21,13 @@ from vsensor.estimator.gains import (
     TOLD_TOP_TORQUE,
     TOP_BALANCE,
     TOP_SPEED,
+    Gains,
 )
 from vsensor.estimator.learn import load_in_force
 from vsensor.estimator.line import EVERY_JUNCTION, march, rubbing, turn_top
-from vsensor.estimator.load import law
+from vsensor.estimator.load import Load, law
 from vsensor.estimator.sections import Floats, Line
-from vsensor.estimator.state import BIT, SPEED, TOP, TORQUE, Model, State
+from vsensor.estimator.state import BIT, SPEED, TOP, TORQUE, Model, State, Strand, line_of, strand
 from vsensor.jit import compiled
 
 REST_SPEED = 0.2
@@ -38,34 +39,20 @@ SURPRISE_S = 2.0
 
 
 @compiled
-def line_of(model: Model, which: int) -> Line:
-    """One of the strings: the model's own is the first."""
-    line = model.line
-    return Line(
-        model.impedances[which],
-        model.round_trips[which],
-        line.viscous,
-        line.kinetic,
-        line.static,
-        line.depth,
-    )
-
-
-@compiled
 def settle(model: Model, state: State, which: int, torque: float, speed: float) -> None:
     """Lay the waves of a string that has long turned, or stood, under this motor torque and speed."""
-    line = line_of(model, which)
+    line, string = line_of(model, which), strand(state, which)
     t, w = torque * model.passed, speed / model.turns
     if abs(w) < REST_SPEED:
         w = 0.0
     t -= rubbing(line, 0, w)
     for i in range(line.impedance.shape[0]):
-        state.waves[which, i, :] = t + line.impedance[i] * w
+        string.waves[i, :] = t + line.impedance[i] * w
         t -= rubbing(line, i + 1, w)
-    state.junctions[which, :] = w
-    state.balances[which, :] = 0.0
+    string.junctions[:] = w
+    string.balances[:] = 0.0
     load = load_in_force(state.learned, model.bit_rate)
-    state.rock[which] = t - law(load, w) if w != 0 else 0.0
+    string.rock[0] = t - law(load, w) if w != 0 else 0.0
 
 
 @compiled
@@ -74,7 +61,8 @@ def observe(model: Model, state: State, which: int) -> None:
 
     The waves that come back are kept for the model string alone: nobody looks along a shadow.
     """
-    line = line_of(model, which)
+    line, string = line_of(model, which), strand(state, which)
+    load = load_in_force(state.learned, model.bit_rate)
     inputs = state.inputs
     width = inputs.shape[1]
     place = (state.ticks[0] - model.behind) % width
@@ -93,58 +81,82 @@ def observe(model: Model, state: State, which: int) -> None:
         else:
             torque = inputs[TORQUE, then] + (at - 1.0) * (inputs[TORQUE, after] - inputs[TORQUE, then])
         step = state.ticks[0] * model.steps + row
-        _turn(model, state, which, line, step, torque * model.passed, speed / model.turns, silent)
+        string.rock[0] *= model.fade
+        if silent:
+            turn_by_speed(
+                line, load, model.drive_rates[which], string, state.ahead, step, speed / model.turns
+            )
+        else:
+            pull = torque * model.passed
+            turn_by_torque(line, load, model.drive_rates[which], string, state.ahead, step, pull)
         if which == 0:
-            keep_returned(line, state.waves[0], state.junctions[0], step, state.returned)
+            keep_returned(line, string.waves, string.junctions, step, state.returned)
     state.innovation[which] = math.nan
     if not silent and state.missing[SPEED, place] == 0:
-        innovation = _tamed(
-            model, state, which, inputs[SPEED, place] / model.turns - state.junctions[which, 0]
-        )
+        innovation = _tamed(model, state, which, inputs[SPEED, place] / model.turns - string.junctions[0])
         state.innovation[which] = innovation
-        _correct(model, state, which, innovation)
-        _correct_waves(model, state, model.gains.waves, state.waves[which], innovation)
+        last = state.ticks[0] * model.steps + model.steps - 1
+        correct_ends(model.gains, state.level[0], string, innovation)
+        correct_told(model.gains.told[state.level[0]], string.told, last, innovation)
         if which == 0:
-            _correct_waves(model, state, model.gains.returned, state.returned, innovation)
+            correct_waves(model.gains.waves[state.level[0]], string.waves, last, innovation)
+            correct_waves(model.gains.returned[state.level[0]], state.returned, last, innovation)
+        else:
+            _correct_waves_within(line, model.gains.waves[state.level[0]], string.waves, last, innovation)
 
 
 @compiled
-def _turn(
-    model: Model, state: State, which: int, line: Line, step: int, torque: float, speed: float, silent: bool
+def turn_by_torque(
+    line: Line, load: Load, drive_rate: float, string: Strand, ahead: Floats, step: int, torque: float
 ) -> None:
-    """One internal step of a string, by torque, or by speed where torque is silent."""
-    mask = state.told.shape[2] - 1
-    waves, junctions, told = state.waves[which], state.junctions[which], state.told[which]
-    balances = state.balances[which]
-    state.rock[which] *= model.fade
-    g, balances[BIT] = march(
+    """One internal step of a string whose top drive passes on `torque`."""
+    g = _march_up(line, load, string, ahead, step)
+    w, string.balances[TOP] = turn_top(
+        line, drive_rate, torque - g, string.junctions[0], string.balances[TOP]
+    )
+    _send_down(line, string, step, g, w)
+
+
+@compiled
+def turn_by_speed(
+    line: Line, load: Load, drive_rate: float, string: Strand, ahead: Floats, step: int, speed: float
+) -> None:
+    """One internal step of a string whose top turns at `speed`, whatever torque that takes."""
+    g = _march_up(line, load, string, ahead, step)
+    string.balances[TOP] = 0.5 * drive_rate * (speed - string.junctions[0])
+    _send_down(line, string, step, g, speed)
+
+
+@compiled
+def _march_up(line: Line, load: Load, string: Strand, ahead: Floats, step: int) -> float:
+    g, string.balances[BIT] = march(
         line,
-        load_in_force(state.learned, model.bit_rate),
-        waves,
+        load,
+        string.waves,
         step - 1,
         1,
         step - 1,
         EVERY_JUNCTION,
-        state.rock[which],
+        string.rock[0],
         1.0,
-        junctions,
-        balances[BIT],
-        state.ahead,
+        string.junctions,
+        string.balances[BIT],
+        ahead,
     )
-    drive_rate = model.drive_rates[which]
-    if silent:
-        w = speed
-        balances[TOP] = 0.5 * drive_rate * (w - junctions[0])
-    else:
-        w, balances[TOP] = turn_top(line, drive_rate, torque - g, junctions[0], balances[TOP])
-    junctions[0] = w
+    now = step & (string.told.shape[1] - 1)
+    string.told[TOLD_BIT_SPEED, now] = ahead[0, 0]
+    string.told[TOLD_BIT_TORQUE, now] = ahead[1, 0]
+    return g
+
+
+@compiled
+def _send_down(line: Line, string: Strand, step: int, g: float, speed: float) -> None:
     z = line.impedance[0]
-    now = step & mask
-    waves[0, now] = g + 2 * z * w
-    told[TOLD_BIT_SPEED, now] = state.ahead[0, 0]
-    told[TOLD_BIT_TORQUE, now] = state.ahead[1, 0]
-    told[TOLD_TOP_SPEED, now] = w
-    told[TOLD_TOP_TORQUE, now] = g + z * w + rubbing(line, 0, w)
+    now = step & (string.told.shape[1] - 1)
+    string.junctions[0] = speed
+    string.waves[0, now] = g + 2 * z * speed
+    string.told[TOLD_TOP_SPEED, now] = speed
+    string.told[TOLD_TOP_TORQUE, now] = g + z * speed + rubbing(line, 0, speed)
 
 
 @compiled
@@ -168,10 +180,9 @@ def _tamed(model: Model, state: State, which: int, innovation: float) -> float:
 
 
 @compiled
-def _correct(model: Model, state: State, which: int, innovation: float) -> None:
-    """Correct the bit, the rock, and the answers of the last `lag` ticks. What rests stays at rest."""
-    gains, level = model.gains, state.level[0]
-    junctions, told, balances = state.junctions[which], state.told[which], state.balances[which]
+def correct_ends(gains: Gains, level: int, string: Strand, innovation: float) -> None:
+    """Correct top drive, bit and rock as they stand. What rests stays at rest."""
+    junctions, balances = string.junctions, string.balances
     if junctions[0] != 0:
         junctions[0] += gains.state[level, TOP_SPEED] * innovation
         balances[TOP] += gains.state[level, TOP_BALANCE] * innovation
@@ -179,25 +190,46 @@ def _correct(model: Model, state: State, which: int, innovation: float) -> None:
     if junctions[bit] != 0:
         junctions[bit] += gains.state[level, BIT_SPEED] * innovation
         balances[BIT] += gains.state[level, BIT_BALANCE] * innovation
-    state.rock[which] += gains.state[level, ROCK] * innovation
-    mask = told.shape[1] - 1
-    last = state.ticks[0] * model.steps + model.steps - 1
-    for ago in range(gains.told.shape[2]):
-        at = (last - ago) & mask
-        if told[TOLD_BIT_SPEED, at] != 0:
-            told[TOLD_BIT_SPEED, at] += gains.told[level, TOLD_BIT_SPEED, ago] * innovation
-            told[TOLD_BIT_TORQUE, at] += gains.told[level, TOLD_BIT_TORQUE, ago] * innovation
-        told[TOLD_TOP_SPEED, at] += gains.told[level, TOLD_TOP_SPEED, ago] * innovation
-        told[TOLD_TOP_TORQUE, at] += gains.told[level, TOLD_TOP_TORQUE, ago] * innovation
+    string.rock[0] += gains.state[level, ROCK] * innovation
 
 
 @compiled
-def _correct_waves(
-    model: Model, state: State, of_innovation: Floats, waves: Floats, innovation: float
-) -> None:
-    """Correct waves (M, size) of the last `lag` ticks by an innovation times gains (C, M, L)."""
-    mask = waves.shape[1] - 1
-    last = state.ticks[0] * model.steps + model.steps - 1
+def correct_told(of_innovation: Floats, told: Floats, last: int, innovation: float) -> None:
+    """Correct the answers (4, size) of the steps up to `last`; a bit that rested then rested."""
+    mask = told.shape[1] - 1
+    for ago in range(of_innovation.shape[1]):
+        at = (last - ago) & mask
+        if told[TOLD_BIT_SPEED, at] != 0:
+            told[TOLD_BIT_SPEED, at] += of_innovation[TOLD_BIT_SPEED, ago] * innovation
+            told[TOLD_BIT_TORQUE, at] += of_innovation[TOLD_BIT_TORQUE, ago] * innovation
+        told[TOLD_TOP_SPEED, at] += of_innovation[TOLD_TOP_SPEED, ago] * innovation
+        told[TOLD_TOP_TORQUE, at] += of_innovation[TOLD_TOP_TORQUE, ago] * innovation
+
+
+@compiled
+def correct_waves(of_innovation: Floats, waves: Floats, last: int, innovation: float) -> None:
+    """Correct waves (M, size) of the steps up to `last` by gains (M, L), newest first."""
     for i in range(waves.shape[0]):
-        for ago in range(of_innovation.shape[2]):
-            waves[i, (last - ago) & mask] += of_innovation[state.level[0], i, ago] * innovation
+        _correct_ring(of_innovation[i], waves[i], last, of_innovation.shape[1], innovation)
+
+
+@compiled
+def _correct_waves_within(
+    line: Line, of_innovation: Floats, waves: Floats, last: int, innovation: float
+) -> None:
+    """The same for those alone that are still in their sections."""
+    for i in range(waves.shape[0]):
+        count = min(line.round_trip[i], of_innovation.shape[1])
+        _correct_ring(of_innovation[i], waves[i], last, count, innovation)
+
+
+@compiled
+def _correct_ring(of_innovation: Floats, ring: Floats, last: int, count: int, innovation: float) -> None:
+    """In two runs without a turn of the ring, which the compiler makes vectors of."""
+    newest = last & (ring.shape[0] - 1)
+    until = min(count, newest + 1)
+    for ago in range(until):
+        ring[newest - ago] += of_innovation[ago] * innovation
+    newest += ring.shape[0]
+    for ago in range(until, count):
+        ring[newest - ago] += of_innovation[ago] * innovation

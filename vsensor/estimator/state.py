@@ -13,6 +13,7 @@ from vsensor.estimator.learn import Learned, fresh_law
 from vsensor.estimator.score import Scores, fresh_scores
 from vsensor.estimator.sections import Floats, Integers, Line, stretched
 from vsensor.estimator.tune import STRINGS, Tuning, fresh_tuning
+from vsensor.jit import compiled
 
 FLAGS = 16
 """Room for so many kinds of `quality.Reason`."""
@@ -120,6 +121,42 @@ class State(NamedTuple):
     """Room for the march: each junction's speed,"""
     ahead: Floats
     """and the bit's speed and torque at each of its steps, shape (2, steps)."""
+
+
+class Strand(NamedTuple):
+    """What one of the strings has in a state, as views."""
+
+    waves: Floats
+    junctions: Floats
+    balances: Floats
+    rock: Floats
+    told: Floats
+
+
+@compiled
+def strand(state: State, which: int) -> Strand:
+    """One of the strings: the model's own is the first."""
+    return Strand(
+        state.waves[which],
+        state.junctions[which],
+        state.balances[which],
+        state.rock[which : which + 1],
+        state.told[which],
+    )
+
+
+@compiled
+def line_of(model: Model, which: int) -> Line:
+    """What one of the strings is made of."""
+    line = model.line
+    return Line(
+        model.impedances[which],
+        model.round_trips[which],
+        line.viscous,
+        line.kinetic,
+        line.static,
+        line.depth,
+    )
 
 
 def fresh(model: Model, bit: Bit, settings: Settings) -> State:
