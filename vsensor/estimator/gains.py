@@ -205,7 +205,9 @@ def _responses(plant: Plant, at: Stations, ticks: int, *, by_rock: bool) -> _Res
     size = 1 << int(line.round_trip.max() + plant.steps).bit_length()
     rings = np.zeros((2, sections, size))
     _strike(free, load, plant.drive_rate, plant.steps, fade, by_rock, rings, state, waves, told)
-    forgets = np.exp(-np.arange(half) / (MEMORY_S * plant.rate))
+    # Cut off, what is left at the end would ring in the spectra: it fades from the middle on.
+    fades = np.minimum(1.0, 2 * np.cos(np.pi / 2 * np.arange(half) / half) ** 2)
+    forgets = fades * np.exp(-np.arange(half) / (MEMORY_S * plant.rate))
 
     def forgotten(columns: Floats) -> Floats:
         """Columns (half · steps, K) as rows of ticks: shape (K, steps, half)."""
