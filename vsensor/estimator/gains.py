@@ -116,8 +116,20 @@ def gains(plant: Plant, at: Stations, lag: int, ahead: tuple[float, float]) -> G
     ticks = 1 << (round(HORIZON_S * plant.rate) - 1).bit_length()
     of_rock, of_noise = (_responses(plant, at, ticks, by_rock=by_rock) for by_rock in (True, False))
     each = [_at_level(plant, at, of_rock, of_noise, float(level), lag, ahead) for level in ROCK_LEVELS]
-    columns = [rounded(np.array(column)) for column in zip(*each, strict=True)]
-    return Gains(ROCK_LEVELS.copy(), *columns)
+    of = Gains(ROCK_LEVELS.copy(), *(np.array(column) for column in zip(*each, strict=True)))
+    # Rows of several quantities, each of its own unit, are rounded by the levels of each.
+    return Gains(
+        levels=of.levels,
+        innovation=rounded(of.innovation, by_itself=True),
+        state=rounded(of.state.T).T.copy(),
+        waves=rounded(of.waves),
+        returned=rounded(of.returned),
+        told=rounded(of.told),
+        variance=rounded(of.variance.T).T.copy(),
+        unforeseen=rounded(of.unforeseen.T).T.copy(),
+        along=rounded(of.along),
+        band=rounded(of.band, by_itself=True),
+    )
 
 
 def _at_level(
@@ -193,7 +205,9 @@ def _responses(plant: Plant, at: Stations, ticks: int, *, by_rock: bool) -> _Res
     size = 1 << int(line.round_trip.max() + plant.steps).bit_length()
     rings = np.zeros((2, sections, size))
     _strike(free, load, plant.drive_rate, plant.steps, fade, by_rock, rings, state, waves, told)
-    forgets = np.exp(-np.arange(half) / (MEMORY_S * plant.rate))
+    # Cut off, what is left at the end would ring in the spectra: it fades from the middle on.
+    fades = np.minimum(1.0, 2 * np.cos(np.pi / 2 * np.arange(half) / half) ** 2)
+    forgets = fades * np.exp(-np.arange(half) / (MEMORY_S * plant.rate))
 
     def forgotten(columns: Floats) -> Floats:
         """Columns (half · steps, K) as rows of ticks: shape (K, steps, half)."""
