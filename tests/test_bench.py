@@ -111,7 +111,7 @@ def test_a_tick_is_timed_at_each_rate() -> None:
         assert row["of its time, %"] == pytest.approx(called * rate / 1e4)
 
 
-@pytest.mark.parametrize("part", [tick.CONFIRMED, tick.STRING, tick.TUNED])
+@pytest.mark.parametrize("part", [tick.CONFIRMED, tick.TUNED])
 def test_the_confirmed_answer_alone_is_the_same_answer(part: int) -> None:
     rate = 10.0
     rig = deep_well(rate)

@@ -59,7 +59,7 @@ def test_a_tick_comes_as_soon_as_both_channels_reach_it_and_no_sooner() -> None:
     assert [len(intake.take(*sample)) for sample in both(steps(0, 0.05))] == [0, 1] * 5
 
 
-@given(st.floats(0, 0.0099), st.floats(3.0, 700.0), st.floats(3.0, 700.0))
+@given(st.floats(0, 0.0099), st.floats(6.0, 700.0), st.floats(6.0, 700.0))
 def test_off_the_grid_a_straight_line_is_drawn(shift_s: float, torque_rate: float, speed_rate: float) -> None:
     """A ramp comes out as the same ramp, at any rate of either channel, faster or slower than the tick."""
     wide = Intake(rig(PIPE, measurement={"max_gap": 0.4}))

@@ -60,4 +60,5 @@ def test_flags_are_those_of_recorded_sessions() -> None:
         "STALE_TORQUE": 4,
         "STALE_SPEED": 8,
         "SOURCE_UNCERTAIN": 16,
+        "STRING_CHANGED": 32,
     }

@@ -6,10 +6,11 @@ from collections.abc import Iterable
 import pytest
 
 from tests.strings import PIPE, rig
+from vsensor.depth import Depths
 from vsensor.estimator.figures import STUCK_SPEED
-from vsensor.messages import Estimate, Event, Profile, Tick
+from vsensor.messages import SURFACE_BIT_DEPTH, Estimate, Event, Profile, Sample, Tick
 from vsensor.messages.vsensor_pb2 import BAD, GOOD
-from vsensor.service.watch import RELIEVED, STUCK_S, Condition, Watch
+from vsensor.service.watch import RELIEVED, STANDING_S, STUCK_S, Condition, Watch
 
 MS = 1_000_000
 DELAY_S = 0.5
@@ -22,7 +23,7 @@ def watch(
 ) -> list[Told]:
     """Events of ticks at 100 Hz, given motor speed at the tick and the bit's half a second earlier."""
     watching = watching or Watch(SMALL, DELAY_S)
-    told = []
+    told: list[Event] = []
     for number, (surface, bit) in enumerate(speeds):
         time_ns = (first + number) * 10 * MS
         tick = Tick(number=number, time_ns=time_ns, motor_speed_rad_s=surface)
@@ -30,8 +31,8 @@ def watch(
         if bit is not None:
             estimate.confirmed_time_ns = time_ns - round(DELAY_S * 1e9)
             estimate.confirmed_bit_speed_rad_s = bit
-        told.append(watching.tick(tick, estimate))
-    return [(event.name, event.begins, event.time_ns) for event in told if event is not None]
+        told += watching.tick(tick, estimate)
+    return [(event.name, event.begins, event.time_ns) for event in told]
 
 
 WARMING = [(8.0, None)] * 100
@@ -166,3 +167,65 @@ def test_a_profile_that_is_bad_or_knows_no_limit_changes_nothing() -> None:
     assert watching.profile(along(-0.5)) is not None
     bad.weakest_margin = 0.5
     assert watching.profile(bad) is None
+
+
+def test_a_string_that_has_turned_and_stands_still_hangs_in_slips_since_it_stopped() -> None:
+    watching = Watch(SMALL, DELAY_S)
+    standing = round(STANDING_S * 100)
+    told = watch([*[(8.0, None)] * 100, *[(0.0, None)] * (standing + 50), *[(8.0, None)] * 10], watching)
+    stopped, turned = 990 * MS, (100 + standing + 50) * 10 * MS
+    assert told == [("connection", True, stopped), ("connection", False, turned)]
+
+
+def test_a_string_that_never_turned_or_stops_for_short_is_at_no_connection() -> None:
+    assert watch([(0.0, None)] * 3000) == []
+    brief = round(STANDING_S * 100) - 10
+    assert watch([*[(8.0, None)] * 100, *[(0.0, None)] * brief, *[(8.0, None)] * 10]) == []
+
+
+def test_off_bottom_and_a_string_that_grew_are_told() -> None:
+    watching = Watch(SMALL, DELAY_S)
+    ticks = [
+        Tick(number=1, time_ns=1, off_bottom=True),
+        Tick(number=2, time_ns=2, off_bottom=True, longer_by_m=28.5),
+        Tick(number=3, time_ns=3, longer_by_m=-57.0),
+    ]
+    told = [event for tick in ticks for event in watching.tick(tick, Estimate(time_ns=tick.time_ns))]
+    assert [(event.name, event.begins, event.time_ns) for event in told] == [
+        ("off_bottom", True, 1),
+        ("string_changed", True, 2),
+        ("string_changed", True, 3),
+        ("off_bottom", False, 3),
+    ]
+    assert told[1].text == "the string is 28.5 m longer"
+    assert told[2].text == "the string is 57.0 m shorter"
+
+
+def test_a_stick_foretold_is_told_with_its_time() -> None:
+    watching = Watch(SMALL, DELAY_S)
+    told = [
+        event
+        for k in range(5)
+        for event in watching.tick(Tick(number=k + 1), Estimate(time_ns=k, stick_in_s=0.8))
+    ]
+    assert [(event.name, event.text) for event in told] == [
+        ("stick_foretold", "the bit is going to stick in 0.8 s")
+    ]
+
+
+def test_each_correction_of_the_configuration_is_told_once() -> None:
+    watching = Watch(SMALL, DELAY_S)
+    assert watching.corrections(0.0, 0.0, 0.0) is None
+    event = watching.corrections(-0.0147, 0.0, 0.25)
+    assert event is not None
+    assert event.text.endswith("delay -1.47%, top-drive inertia +0.0%, wall friction +25.0%")
+    assert watching.corrections(-0.0147, 0.0, 0.25) is None
+
+
+def test_depths_that_do_not_fit_the_string_are_told() -> None:
+    watching, depths = Watch(SMALL, DELAY_S), Depths(SMALL)
+    depths.take(SURFACE_BIT_DEPTH, Sample(value=9000.0))
+    event = watching.depths(depths)
+    assert event is not None
+    assert (event.name, event.begins) == ("depths_at_odds", True)
+    assert event.text.endswith("the string is 1500.0 m long")

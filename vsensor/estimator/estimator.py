@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from vsensor.config import Bit, Component, Rig
 from vsensor.estimator import kernel
-from vsensor.estimator.along import Stations, along, stations
+from vsensor.estimator.along import SPEED, Stations, along, stations
 from vsensor.estimator.carry import carry
-from vsensor.estimator.gains import TOLD_TOP_SPEED, Gains, Plant, gains, rock_fade
+from vsensor.estimator.gains import TOLD_BIT_SPEED, TOLD_TOP_SPEED, Gains, Plant, gains, rock_fade
 from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.sections import Floats, Line, cut, junction_depths, steps_per_tick
 from vsensor.estimator.state import (
@@ -213,7 +213,11 @@ class Estimator:
         Shape (2, n), valid until the next call; as good as that answer, and without meaning before the first.
         """
         model, state = self._model, self._state
-        along(model.line, state.waves[0], state.returned, self.stations, self._common_step(), self._profile)
+        step = self._common_step()
+        along(model.line, state.waves[0], state.returned, self.stations, step, self._profile)
+        # A bit at rest is known to rest; the waves beside it are known but for their noise.
+        bit = step + model.now - model.behind * model.steps
+        self._profile[SPEED, -1] = state.told[0, TOLD_BIT_SPEED, bit & (state.told.shape[2] - 1)]
         return self._profile
 
     def top(self) -> tuple[float, float]:

@@ -81,6 +81,7 @@ class Watch:
         self._last_ns = tick.time_ns
         if tick.number == 0:
             self._surface.clear()
+            self._turned_ns = None
             self.sticks.forget()
         self._surface.append(tick.motor_speed_rad_s)
         seen = (
