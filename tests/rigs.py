@@ -16,7 +16,7 @@ SHORT = rig(
     rate=RATE,
     bit=BIT,
     top_drive={"inertia": 500.0},
-    estimator={"bandwidth": 4.0, "severity_window": 4.0},
+    estimator={"severity_window": 4.0},
 )
 
 Surface = list[tuple[str, Sample]]
