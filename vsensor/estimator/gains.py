@@ -29,9 +29,10 @@ ROCK_LEVELS = 25.0 * 2.0 ** np.arange(9)
 """Standard deviations of the rock's torque, N·m, for which gains are kept ready: 25 N·m to 6.4 kN·m."""
 ROCK_MEMORY_S = 0.3
 """Correlation time of the rock's torque: with 0.1 or 1 s instead, the answers are hardly worse."""
-MEMORY_S = 8.0
+MEMORY_S = 5.0
 """The string of the design forgets within so long: one that loses little would ring for minutes."""
-HORIZON_S = 4 * MEMORY_S
+HORIZON_S = 8 * MEMORY_S
+"""Half of it is run through: cut off after half as long, gains of restless rock were wrong by a third."""
 LEAST_SPEED_NOISE = 1e-4
 """rad/s: a speed without any noise would be believed against all else."""
 
@@ -109,17 +110,27 @@ def gains(plant: Plant, at: Stations, lag: int, ahead: tuple[float, float]) -> G
     ticks = 1 << (round(HORIZON_S * plant.rate) - 1).bit_length()
     of_rock, of_noise = (_responses(plant, at, ticks, by_rock=by_rock) for by_rock in (True, False))
     each = [_at_level(plant, of_rock, of_noise, float(level), lag, ahead) for level in ROCK_LEVELS]
-    columns = [_rounded(np.array(column)) for column in zip(*each, strict=True)]
-    return Gains(ROCK_LEVELS.copy(), *columns)
+    columns = [np.array(column) for column in zip(*each, strict=True)]
+    names = Gains._fields[1:]
+    return Gains(
+        ROCK_LEVELS.copy(),
+        *(_rounded(column, name in ROWS) for name, column in zip(names, columns, strict=True)),
+    )
 
 
-def _rounded(column: Floats) -> Floats:
-    """Each row to 26 bits of its greatest.
+ROWS = ("waves", "returned", "told", "along")
+"""Gains whose last axis is of one quantity; elsewhere N·m stand beside rad/s."""
+
+
+def _rounded(column: Floats, rows: bool) -> Floats:
+    """Each number to 26 bits, or of a row to 26 bits of its greatest.
 
     The last bits of transforms and logarithms differ between processors; a session must come out the
     same on each.
     """
-    greatest = np.abs(column).max(axis=-1, keepdims=True) if column.ndim > 1 else np.abs(column)
+    greatest = np.abs(column)
+    if rows:
+        greatest = greatest.max(axis=-1, keepdims=True)
     grid = np.ldexp(1.0, np.frexp(greatest)[1] - 26)
     return np.asarray(np.rint(column / grid) * grid, np.float64)
 
@@ -138,7 +149,7 @@ def _at_level(
     speed_noise = max(plant.speed_noise, LEAST_SPEED_NOISE)
     by_rock = kick * np.abs(of_rock.seen) ** 2
     seen = by_rock + noise * np.abs(of_noise.seen) ** 2 + speed_noise**2
-    innovation, causal = _factorised(seen)
+    innovation, causal = factorised(seen)
 
     def respond(rock: NDArray[np.complex128], motor: NDArray[np.complex128]) -> Floats:
         together = kick * rock * of_rock.seen.conj() + noise * motor * of_noise.seen.conj()
@@ -146,11 +157,16 @@ def _at_level(
         return response
 
     def left(rock: NDArray[np.complex128], motor: NDArray[np.complex128], *starts: int) -> list[Floats]:
-        """Variances of what innovations up to so many ticks before, or after, have not told."""
+        """Variances of what innovations up to so many ticks before, or after, have not told.
+
+        Of what no innovation ever tells, and of what those tell that are still to come: as sums of squares,
+        for the difference of what is and what is told is lost in the rounding of a string that turns freely.
+        """
         apart = kick * np.abs(rock) ** 2 + noise * np.abs(motor) ** 2
-        altogether = np.fft.irfft(apart, ticks)[..., 0]
+        unlike = kick * noise * np.abs(rock * of_noise.seen - motor * of_rock.seen) ** 2
+        never = np.fft.irfft((speed_noise**2 * apart + unlike) / seen, ticks)[..., 0]
         squares = respond(rock, motor) ** 2
-        return [np.maximum(altogether - innovation * _since(squares, start), 0.0) for start in starts]
+        return [never + innovation * _before(squares, start) for start in starts]
 
     told = respond(of_rock.told, of_noise.told)
     bit_and_top = of_rock.told[:, -1], of_noise.told[:, -1]
@@ -169,7 +185,7 @@ def _at_level(
     )
 
 
-def _factorised(spectrum: Floats) -> tuple[float, NDArray[np.complex128]]:
+def factorised(spectrum: Floats) -> tuple[float, NDArray[np.complex128]]:
     """Innovation variance s and H of a spectrum s |H|²: the causal half of the logarithm's transform."""
     ticks = 2 * (len(spectrum) - 1)
     cepstrum = np.fft.irfft(np.log(spectrum), ticks)
@@ -187,11 +203,11 @@ def _newest_first(responses: Floats, lag: int) -> Floats:
     return np.ascontiguousarray(rows.reshape(*rows.shape[:-2], -1))
 
 
-def _since(squares: Floats, start: int) -> Floats:
-    """Sum of squares (…, ticks) from tick `start` on: what innovations until then have told."""
-    half = squares.shape[-1] // 2
-    future = squares[..., squares.shape[-1] + start :].sum(axis=-1) if start < 0 else 0.0
-    return np.asarray(squares[..., max(start, 0) : half].sum(axis=-1) + future)
+def _before(squares: Floats, start: int) -> Floats:
+    """Sum of squares (…, ticks) before tick `start`: of innovations that are still to come by then."""
+    ticks = squares.shape[-1]
+    past = squares[..., ticks // 2 : ticks + min(start, 0)].sum(axis=-1)
+    return np.asarray(past + squares[..., : max(start, 0)].sum(axis=-1))
 
 
 def _half_told(share: Floats, rate: float) -> float:
