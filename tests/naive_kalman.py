@@ -1,4 +1,4 @@
-"""The naive twin of the gains: a Kalman filter of the whole string, every delay a state, by Riccati iteration.
+"""The naive twin of the gains: a Kalman filter of the whole string, every delay a state, by iteration.
 
 The textbook's (Anderson and Moore 1979), in plain NumPy: transition matrices by running the string's
 equations on the columns of the unit matrix, and the past kept in the state, which makes the filter a

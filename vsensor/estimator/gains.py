@@ -110,10 +110,10 @@ def gains(plant: Plant, at: Stations, lag: int, ahead: tuple[float, float]) -> G
     ticks = 1 << (round(HORIZON_S * plant.rate) - 1).bit_length()
     of_rock, of_noise = (_responses(plant, at, ticks, by_rock=by_rock) for by_rock in (True, False))
     each = [_at_level(plant, of_rock, of_noise, float(level), lag, ahead) for level in ROCK_LEVELS]
-    columns = [np.array(column) for column in zip(*each, strict=True)]
+    columns: list[Floats] = [np.array(column) for column in zip(*each, strict=True)]
     names = Gains._fields[1:]
     return Gains(
-        ROCK_LEVELS.copy(),
+        np.asarray(ROCK_LEVELS, np.float64).copy(),
         *(_rounded(column, name in ROWS) for name, column in zip(names, columns, strict=True)),
     )
 
