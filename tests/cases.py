@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from vsensor.config import Rig
 from vsensor.offline import Offline
-from vsensor.tables import read_surface, surface_samples
+from vsensor.tables import SurfaceTable, read_surface, surface_samples
 
 Columns = Mapping[str, NDArray[np.float64]]
 
@@ -60,9 +60,16 @@ def reference_rig(case: Path) -> Rig:
     )
 
 
-def estimated(rig: Rig, surface: Path) -> Columns:
-    """The estimates table of a surface table."""
-    chunks = list(Offline(rig).estimates(surface_samples(read_surface(surface))))
+def estimated(rig: Rig, surface: Path, rest_s: float = 0.0) -> Columns:
+    """The estimates table of a surface table that `rest_s` seconds of rest are put before."""
+    measured = read_surface(surface)
+    rest = np.arange(round(rest_s * rig.loop.rate)) / rig.loop.rate
+    measured = SurfaceTable(
+        time_s=np.append(rest, measured.time_s + rest_s),
+        motor_torque_nm=np.append(0 * rest, measured.motor_torque_nm),
+        motor_speed_rad_s=np.append(0 * rest, measured.motor_speed_rad_s),
+    )
+    chunks = list(Offline(rig).estimates(surface_samples(measured)))
     return {name: np.concatenate([np.asarray(chunk[name]) for chunk in chunks]) for name in chunks[0]}
 
 
