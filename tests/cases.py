@@ -12,12 +12,10 @@ import pytest
 from numpy.typing import NDArray
 
 from vsensor.config import Rig
-from vsensor.estimator.kernel import OFF_BOTTOM
 from vsensor.intake import NS, Input
 from vsensor.messages import Sample
 from vsensor.offline import Offline
-from vsensor.quality import Reason
-from vsensor.tables import read_surface, surface_samples
+from vsensor.tables import SurfaceTable, read_surface, surface_samples
 
 Columns = Mapping[str, NDArray[np.float64]]
 
@@ -83,21 +81,31 @@ class _Told(Offline):
 
     def _inputs(self, samples: Iterable[tuple[str, Sample]]) -> Iterator[Input]:
         for given in super()._inputs(samples):
-            off = OFF_BOTTOM if given.time_ns < self._until_s * NS else 0
-            yield given._replace(reasons=Reason(given.reasons | off))
+            yield given._replace(off_bottom=given.time_ns < self._until_s * NS)
 
 
-def run(rig: Rig, surface: Path, off_bottom_until_s: float = 0.0) -> Run:
-    """Run a surface table through the sensor."""
+def run(rig: Rig, surface: Path, off_bottom_until_s: float = 0.0, rest_s: float = 0.0) -> Run:
+    """Run a surface table through the sensor, `rest_s` seconds of rest put before it."""
     sensor = _Told(rig, off_bottom_until_s)
-    chunks = list(sensor.estimates(surface_samples(read_surface(surface))))
+    chunks = list(
+        sensor.estimates(surface_samples(_after_rest(read_surface(surface), rest_s, rig.loop.rate)))
+    )
     told = {name: np.concatenate([np.asarray(chunk[name]) for chunk in chunks]) for name in chunks[0]}
     return Run(told, sensor.tuning)
 
 
-def estimated(rig: Rig, surface: Path) -> Columns:
-    """The estimates table of a surface table."""
-    return run(rig, surface).told
+def _after_rest(measured: SurfaceTable, rest_s: float, rate: float) -> SurfaceTable:
+    rest = np.arange(round(rest_s * rate)) / rate
+    return SurfaceTable(
+        time_s=np.append(rest, measured.time_s + rest_s),
+        motor_torque_nm=np.append(0 * rest, measured.motor_torque_nm),
+        motor_speed_rad_s=np.append(0 * rest, measured.motor_speed_rad_s),
+    )
+
+
+def estimated(rig: Rig, surface: Path, rest_s: float = 0.0) -> Columns:
+    """The estimates table of a surface table that `rest_s` seconds of rest are put before."""
+    return run(rig, surface, rest_s=rest_s).told
 
 
 def table(path: Path) -> Columns:

@@ -44,8 +44,8 @@ def test_commands_and_depths_reach_the_ticks_and_a_session_of_them_is_exact(tmp_
             rig.send(good[: 4 * RATE])
             assert say(sensor, "off", "bottom") == (0, "the bit is held to be off bottom\n")
             assert say(sensor, "longer", "30 m") == (0, f"the string is now {LENGTH + 30:.1f} m long\n")
-            status, told = say(sensor, "sideways")
-            assert status == 1
+            failed, told = say(sensor, "sideways")
+            assert failed == 1
             assert "'sideways' is no command: say" in told
             rig.send(good[4 * RATE : 8 * RATE])
             wait_until(lambda: ("string_changed", True) in rig.events, "word of the longer string")

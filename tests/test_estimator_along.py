@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from vsensor.estimator.confirm import EVERY_JUNCTION
 
 from tests import naive
+from tests.peel import descend
 from tests.strings import COLLAR, PIPE, strings
 from vsensor.config import Bit, Component
 from vsensor.estimator import component
 from vsensor.estimator.along import INTERVALS, SPEED, TORQUE, Stations, along, keep_returned, stations
-from vsensor.estimator.line import descend, march
+from vsensor.estimator.line import EVERY_JUNCTION, march
 from vsensor.estimator.load import load_of
 from vsensor.estimator.sections import Floats, Line, cut, junction_depths
 
@@ -92,7 +92,7 @@ def test_a_marched_string_leaves_the_waves_that_its_naive_twin_has(
     expected = np.zeros((2, len(at.depth)))
     for k, speed in enumerate(speeds.tolist()):
         waves, known = peeled.waves, k - 1
-        g, _ = march(line, load, waves, known, 1, known, EVERY_JUNCTION, 0.0, peeled.speeds, 0.0, told)
+        g, _ = march(line, load, waves, known, 1, known, EVERY_JUNCTION, 0.0, 1.0, peeled.speeds, 0.0, told)
         keep_returned(line, waves, peeled.speeds, k, peeled.returned)
         peeled.speeds[0] = speed
         waves[0, k & (waves.shape[1] - 1)] = g + 2 * line.impedance[0] * speed

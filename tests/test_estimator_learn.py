@@ -7,13 +7,11 @@ from hypothesis import strategies as st
 
 from vsensor.config import Bit
 from vsensor.estimator.learn import Learned, fresh_law, learn, lose_sight
-from vsensor.estimator.sections import Floats, Line
+from vsensor.estimator.sections import Floats
 
 RATE = 100.0
 ROCK = Bit(viscous_friction=12, kinetic_torque=2500, static_torque=6000, stribeck_speed=1.5)
 GUESS = Bit(viscous_friction=5, kinetic_torque=1000, static_torque=1500, stribeck_speed=1.0)
-BARE = Line(np.array([300.0]), np.array([2]), np.zeros(2), np.zeros(2), np.zeros(2))
-TURNING = np.ones(2)
 
 
 def torque_of(bit: Bit, speed: Floats) -> Floats:
@@ -21,9 +19,9 @@ def torque_of(bit: Bit, speed: Floats) -> Floats:
     return np.asarray(bit.viscous_friction * speed + bit.kinetic_torque + fall)
 
 
-def feed(learned: Learned, speeds: Floats, torques: Floats, line: Line = BARE, at: Floats = TURNING) -> None:
+def feed(learned: Learned, speeds: Floats, torques: Floats, held: float = 0.0) -> None:
     for tick, (speed, torque) in enumerate(zip(speeds, torques, strict=True)):
-        learn(learned, line, at, float(speed), float(torque), RATE, tick)
+        learn(learned, held, float(speed), float(torque), RATE, tick)
 
 
 def told(learned: Learned, speed: float) -> float:
@@ -69,8 +67,7 @@ def test_a_stick_tells_the_static_torque() -> None:
 def test_torque_that_a_resting_wall_may_hold_is_not_laid_on_the_bit() -> None:
     """A string that breaks loose after a connection: the bit's torque is unknown by the wall's."""
     learned = fresh_law(Bit())
-    wall = BARE._replace(static=np.array([0.0, 9e3]))
-    feed(learned, np.zeros(300), np.full(300, 9e3), wall, np.zeros(2))
+    feed(learned, np.zeros(300), np.full(300, 9e3), held=9e3)
     feed(learned, np.full(300, 8.0), np.zeros(300))
     assert learned.law[2] < 300
 

@@ -8,35 +8,26 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests import naive
+from tests.peel import peeled
 from tests.strings import COLLAR, PIPE, strings
 from vsensor.config import Bit, Component, TopDrive
 from vsensor.estimator.forward import ForwardLine
-from vsensor.estimator.line import FADE_SPEED, descend
+from vsensor.estimator.line import FADE_SPEED
 from vsensor.estimator.load import Foot, load_of, turn_bit
-from vsensor.estimator.sections import Floats, Line, cut
+from vsensor.estimator.sections import cut
 
 STEP = 5e-3
 SEEDS = st.integers(0, 2**32 - 1)
 
 
-def fall(line: Line, torques: Floats, speeds: Floats) -> Floats:
-    """The descent over a record: torque and speed at the bottom, shape (n, 2)."""
-    waves = np.zeros((len(line.impedance), 1 << int(line.round_trip.max()).bit_length()))
-    returned = np.zeros_like(waves)
-    junctions = np.zeros(len(line.impedance) + 1)
-    steps = zip(torques, speeds, strict=True)
-    peeled = [descend(line, waves, returned, junctions, k, t, w) for k, (t, w) in enumerate(steps)]
-    return np.array(peeled, dtype=np.float64)
-
-
 @settings(max_examples=30)
 @given(strings(), SEEDS)
-def test_the_descent_is_its_naive_twin(string: tuple[Component, ...], seed: int) -> None:
+def test_peeling_is_its_naive_twin(string: tuple[Component, ...], seed: int) -> None:
     random = np.random.default_rng(seed)
     line = cut(string, STEP, 300)
     torques, speeds = 5e3 * random.standard_normal(80), 5 * random.standard_normal(80)
     expected = np.array(naive.descend(line, torques.tolist(), speeds.tolist()), dtype=np.float64)
-    np.testing.assert_allclose(fall(line, torques, speeds), expected, rtol=1e-9, atol=1e-6)
+    np.testing.assert_allclose(peeled(line, torques, speeds), expected, rtol=1e-9, atol=1e-6)
 
 
 @settings(max_examples=20)
@@ -54,7 +45,7 @@ def test_the_march_is_its_naive_twin(string: tuple[Component, ...], seed: int) -
 
 @settings(max_examples=20)
 @given(strings(friction=False), SEEDS)
-def test_the_descent_undoes_the_march(string: tuple[Component, ...], seed: int) -> None:
+def test_peeling_undoes_the_march(string: tuple[Component, ...], seed: int) -> None:
     """What torque and speed at the top tell of the bit is what was true there: an independent truth."""
     random = np.random.default_rng(seed)
     line = cut(string, STEP, 300)
@@ -62,7 +53,7 @@ def test_the_descent_undoes_the_march(string: tuple[Component, ...], seed: int) 
     torques = np.cumsum(random.standard_normal(200)) * 300
     forward = ForwardLine(line, TopDrive(), bit, STEP)
     top, bit_speed, bit_torque = forward.run(torques, np.zeros(200))
-    bottom = fall(line, torques, top)
+    bottom = peeled(line, torques, top)
     scale = np.abs(bit_speed).max() + 1e-3
     np.testing.assert_allclose(bottom[:, 1], bit_speed, atol=1e-7 * scale)
     settled = bottom[1:, 0] - 50 * np.diff(bit_speed) / STEP
@@ -78,7 +69,7 @@ def test_wall_friction_is_taken_off_where_it_acts() -> None:
     forward = ForwardLine(line, TopDrive(), Bit(inertia=50, viscous_friction=400), STEP)
     torques = np.full(20_000, 9e3)
     top, bit_speed, _ = forward.run(torques, np.zeros(20_000))
-    bottom = fall(line, torques, top)
+    bottom = peeled(line, torques, top)
     turning = slice(2000, None)
     assert bit_speed[turning].min() > FADE_SPEED
     np.testing.assert_allclose(bottom[turning, 1], bit_speed[turning], rtol=1e-6)

@@ -62,16 +62,16 @@ def test_only_what_rubs_is_cut() -> None:
     assert len(cut((COLLAR,), 1e-3, 50).impedance) == 1
 
 
-@pytest.mark.parametrize(("rate", "expected"), [(100, 2), (1000, 1), (20, 8)])
-def test_the_step_is_fine_enough_for_the_bandwidth(rate: float, expected: int) -> None:
-    assert steps_per_tick((PIPE,), 1 / rate, 3.0) == expected
+@pytest.mark.parametrize(("rate", "expected"), [(100, 3), (1000, 1), (20, 13)])
+def test_the_step_is_fine_enough_for_the_string(rate: float, expected: int) -> None:
+    assert steps_per_tick((PIPE,), 1 / rate) == expected
 
 
 def test_the_step_follows_the_shortest_component_down_to_a_limit() -> None:
     short = COLLAR.model_copy(update={"length": 9.75})
-    assert steps_per_tick((PIPE, short), 0.01, 3.0) == 4
+    assert steps_per_tick((PIPE, short), 0.01) == 4
     shorter = COLLAR.model_copy(update={"length": 0.3})
-    assert steps_per_tick((PIPE, shorter), 0.01, 3.0) == FINEST
+    assert steps_per_tick((PIPE, shorter), 0.01) == FINEST
 
 
 def test_the_papers_string() -> None:

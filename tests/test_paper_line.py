@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
+from tests.peel import peeled
 from tests.strings import COLLAR, PIPE
 from vsensor.config import Component
 from vsensor.estimator import component
-from vsensor.estimator.line import descend
 from vsensor.estimator.sections import Line, cut
 from vsensor.paper import general_line
 from vsensor.paper.general_line import GeneralLine
@@ -101,26 +101,19 @@ def test_a_cable_leaks() -> None:
 STEP = 1e-3
 
 
-def peeled(line: Line, omega: float) -> NDArray[np.complex128]:
-    """The kernels' (T, ω) at the bottom for (1, 0) and (0, 1) at the top, as columns, at s = jΩ.
+def two_port(line: Line, omega: float) -> NDArray[np.complex128]:
+    """Peeling's (T, ω) at the bottom for (1, 0) and (0, 1) at the top, as columns, at s = jΩ.
 
-    The descent is linear and its memory ends, so that cosine and sine are all it takes; and it shows
+    Peeling is linear and its memory ends, so that cosine and sine are all it takes; and it shows
     the bottom one travel time late.
     """
     steps = 2 * int(line.round_trip.sum()) + 10
     swing = np.exp(1j * omega * STEP * np.arange(steps))
     columns = []
     for torque, speed in ((swing, 0 * swing), (0 * swing, swing)):
-        parts = []
-        for t, w in ((torque.real, speed.real), (torque.imag, speed.imag)):
-            waves = np.zeros((len(line.impedance), 1 << int(line.round_trip.max()).bit_length()))
-            speeds = np.zeros(len(line.impedance) + 1)
-            out = (0.0, 0.0)
-            for k in range(steps):
-                out = descend(line, waves, np.zeros_like(waves), speeds, k, t[k], w[k])
-            parts.append(out)
+        bottom = peeled(line, torque.real, speed.real) + 1j * peeled(line, torque.imag, speed.imag)
         late = omega * STEP * (steps - 1 - int(line.round_trip.sum()) / 2)
-        columns.append((np.array(parts[0]) + 1j * np.array(parts[1])) * np.exp(-1j * late))
+        columns.append(bottom[-1] * np.exp(-1j * late))
     return np.array(columns).T
 
 
@@ -131,11 +124,11 @@ def on_the_grid(part: Component, delay: float) -> Component:
 
 @settings(max_examples=15)
 @given(st.floats(0.5, 60.0))
-def test_the_descent_is_the_two_port(omega: float) -> None:
+def test_peeling_is_the_two_port(omega: float) -> None:
     string = (on_the_grid(PIPE, 120 * STEP), on_the_grid(COLLAR, 30 * STEP))
     pipe, collar = (general_line.shaft(part).chain(1j * omega) for part in string)
     expected = collar @ pipe
-    found = peeled(cut(string, STEP, 1e4), omega)
+    found = two_port(cut(string, STEP, 1e4), omega)
     np.testing.assert_allclose(found, expected, rtol=1e-7, atol=1e-9 * np.abs(expected).max())
 
 
@@ -146,7 +139,7 @@ def test_friction_gathered_at_junctions_becomes_the_lines_series_loss() -> None:
     expected = general_line.shaft(rough).chain(1j * omega)
     errors = []
     for sections in (4, 8, 16, 32):
-        found = peeled(cut((rough,), STEP, rough.length / sections * 1.0001), omega)
+        found = two_port(cut((rough,), STEP, rough.length / sections * 1.0001), omega)
         errors.append(np.abs(found / expected - 1).max())
     assert errors[-1] < 1e-3
     ratios = np.array(errors[:-1]) / np.array(errors[1:])

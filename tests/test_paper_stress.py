@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from tests.peel import peeled
 from vsensor.estimator import component
-from vsensor.estimator.line import descend
 from vsensor.estimator.sections import cut
 from vsensor.paper import comparison, fine
 from vsensor.paper.shaft import BIT, SHAFT, TORQUE, shear_stress
@@ -42,16 +42,14 @@ def test_the_papers_waves_end_in_its_own_end_torque() -> None:
     assert ends == pytest.approx(of.printed.end_torque.value[:-2], rel=1e-9)
 
 
-def test_the_sensors_own_descent_finds_the_same_torque_at_depth() -> None:
-    """What the program would tell from torque and speed at the top is what the paper room draws."""
+def test_peeling_finds_the_same_torque_at_depth() -> None:
+    """What torque and speed at the top tell of a depth is what the paper room draws."""
     steps = 400
     answer = fine.stepped(SHAFT, BIT, TORQUE, 12.0, steps)
     h = component.delay(SHAFT) / steps
     part = SHAFT.model_copy(update={"length": SHAFT.length / 4})
     line = cut((part,), h, 1e4)
-    waves, speeds = np.zeros((1, 1 << int(line.round_trip[0]).bit_length())), np.zeros(2)
-    returned = np.zeros_like(waves)
-    peeled = [descend(line, waves, returned, speeds, k, TORQUE, w)[0] for k, w in enumerate(answer.top.value)]
+    found = peeled(line, np.full(len(answer.top.value), TORQUE), answer.top.value)[:, 0]
     drawn = torque_along(
         wave_between(answer, SHAFT, TORQUE),
         SHAFT,
@@ -60,7 +58,7 @@ def test_the_sensors_own_descent_finds_the_same_torque_at_depth() -> None:
         answer.top.time - component.delay(part),
     )[0]
     late = answer.top.time > 2 * component.delay(part)
-    np.testing.assert_allclose(np.array(peeled)[late], drawn[late], rtol=1e-6, atol=1e-3)
+    np.testing.assert_allclose(found[late], drawn[late], rtol=1e-6, atol=1e-3)
 
 
 def test_a_heavy_load_doubles_the_first_wave() -> None:

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 import numpy as np
 import pytest
 
+from tests.observer import LINEAR, drilled, pinned
 from tests.strings import BIT, COLLAR, DRIVE, PIPE, rig
 from vsensor.config import Component, Rig
 from vsensor.estimator import component
@@ -27,11 +28,14 @@ RIG = rig(
     bit=BIT,
     top_drive=DRIVE,
 )
+HELD = rig(*RIG.string, bit={"inertia": 50.0, "kinetic_torque": 20e3, "static_torque": 60e3}, top_drive=DRIVE)
 NS = 1_000_000_000
+HOLDS = {"inertia": 50.0, "kinetic_torque": 20e3, "static_torque": 60e3}
+"""A bit that nothing turns."""
 
 
 def test_a_string_wound_up_and_held_bears_one_torque_all_along() -> None:
-    estimator = Estimator(rig(PIPE, COLLAR))
+    estimator = Estimator(rig(PIPE, COLLAR, bit=HOLDS))
     estimator.run(np.full(400, 7e3), np.zeros(400))
     told = estimator.profile()
     np.testing.assert_allclose(told[TORQUE], 7e3, rtol=1e-4)
@@ -42,7 +46,7 @@ def test_a_string_wound_up_and_held_bears_one_torque_all_along() -> None:
 def test_the_wall_takes_its_torque_evenly() -> None:
     """1500 m at 10 rad/s against 0.02 N·m·s/rad and 0.5 N·m a metre: 0.7 N·m less each metre."""
     rough = PIPE.model_copy(update={"coulomb_friction": 0.5, "static_friction": 0.5})
-    estimator = Estimator(rig(rough))
+    estimator = Estimator(rig(rough, bit={"inertia": 50.0, "viscous_friction": 795.0}))
     estimator.run(np.full(400, 9e3), np.full(400, 10.0))
     told = estimator.profile()
     rounding = 0.5 * component.wave_speed(rough) * 0.01 / estimator.steps_per_tick
@@ -51,21 +55,21 @@ def test_the_wall_takes_its_torque_evenly() -> None:
     assert told[TORQUE, [0, -1]] == pytest.approx(expected[[0, -1]], abs=0.1)
 
 
-def test_the_stated_noise_is_that_along_the_string() -> None:
-    quiet = PIPE.model_copy(update={"length": 600.0})
-    of = rig(quiet, COLLAR, rate=50.0)
-    random = np.random.default_rng(3)
-    n = 3000
-    torques = of.measurement.torque_noise * random.standard_normal(n)
-    speeds = of.measurement.speed_noise * random.standard_normal(n)
-    estimator = Estimator(of)
+def test_noise_moves_it_by_no_more_than_is_stated() -> None:
+    """The same string heard with and without noise; its rock is calm, of which the stated has a part."""
     told = []
-    for torque, speed in zip(torques.tolist(), speeds.tolist(), strict=True):
-        estimator.step(torque, speed)
-        told.append(estimator.profile().copy())
-    warm = np.array(told[round(estimator.warm_up * of.loop.rate) :])
-    np.testing.assert_allclose(warm.std(axis=0), estimator.profile_noise, rtol=0.15)
-    assert estimator.profile_noise[SPEED, -1] == pytest.approx(estimator.speed_noise, rel=1e-9)
+    for noisy in (True, False):
+        record = drilled(LINEAR, np.full(2500, 4e3), 0.0, 3, noisy=noisy)
+        estimator = pinned(LINEAR, 0)
+        profiles = []
+        for torque, speed in zip(record.torque.tolist(), record.speed.tolist(), strict=True):
+            estimator.step(torque, speed)
+            profiles.append(estimator.profile().copy())
+        told.append(np.array(profiles[500:]))
+    moved = (told[0] - told[1]).std(axis=0) / estimator.profile_noise
+    assert moved.max() < 1.25
+    assert moved.min() > 0.2
+    assert estimator.profile_noise[SPEED, -1] == pytest.approx(estimator.noise[0], rel=1e-6)
 
 
 def test_with_one_channel_lost_it_is_told_on_and_stays_continuous() -> None:
@@ -110,7 +114,7 @@ def test_what_the_wall_takes_is_the_power_lost() -> None:
 
 def steady(torque: float, seconds: float = 5.0) -> list[Profile]:
     """Profiles of the string wound up and held."""
-    return [profile for _, profile in profiles(RIG, [(torque, 0.0)] * round(seconds * 100))]
+    return [profile for _, profile in profiles(HELD, [(torque, 0.0)] * round(seconds * 100))]
 
 
 def test_it_comes_ten_times_a_second_once_the_confirmed_answer_is_known() -> None:
@@ -188,8 +192,10 @@ def test_while_a_channel_is_silent_it_is_wider_and_uncertain() -> None:
     told = profiles(RIG, [*drilling[:2000], *lost])
     before, after = told[-110][1], told[-1][1]
     assert (before.quality, after.quality) == (GOOD, UNCERTAIN)
-    assert (np.array(after.torque_std_nm) > 1.5 * np.array(before.torque_std_nm)).all()
-    assert (np.array(after.speed_std_rad_s) > np.array(before.speed_std_rad_s)).all()
+    for name in ("torque_std_nm", "speed_std_rad_s"):
+        wider = np.array(getattr(after, name)) / np.array(getattr(before, name))
+        assert (wider >= 1).all()
+        assert wider[-1] > 1.5
 
 
 def test_the_ends_are_the_surface_as_it_was_and_the_bit_as_it_is_confirmed() -> None:
@@ -200,8 +206,8 @@ def test_the_ends_are_the_surface_as_it_was_and_the_bit_as_it_is_confirmed() -> 
     top = np.interp(times, [r.time_s for r in readings], [r.motor_speed for r in readings])
     noise = told[0][1].speed_std_rad_s[0] + RIG.measurement.speed_noise
     assert np.sqrt(np.mean((top - [p.speed_rad_s[0] for _, p in told]) ** 2)) < 1.5 * noise
-    for estimate, profile in told:
-        assert profile.speed_rad_s[-1] == pytest.approx(estimate.confirmed_bit_speed_rad_s, abs=1e-9)
+    bottom = np.array([p.speed_rad_s[-1] - e.confirmed_bit_speed_rad_s for e, p in told])
+    assert np.mean(np.abs(bottom) <= 2 * np.array([p.speed_std_rad_s[-1] for _, p in told])) > 0.9
     # At the bottom of the string stands what the rock takes and what turns the bit.
     given = np.array([e.confirmed_bit_torque_nm for e, _ in told])
     turning = np.array([p.torque_nm[-1] for _, p in told]) - given

@@ -5,25 +5,68 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.cases import estimated, folder, midpoints, reference_rig, table
+from tests.cases import Columns, estimated, folder, midpoints, reference_rig, table
 from vsensor.config import load
+from vsensor.estimator.sections import Floats
 
 
-@pytest.mark.parametrize(
-    ("name", "share"), [("stick_slip", 0.008), ("smooth_drilling", 0.03), ("deviated_off_bottom", 0.03)]
-)
-def test_the_confirmed_bit_is_that_of_the_reference(name: str, share: float) -> None:
-    cases = folder("VSENSOR_REFERENCE_DATA")
+@pytest.fixture(scope="module", params=["stick_slip", "smooth_drilling", "deviated_off_bottom"])
+def case(request: pytest.FixtureRequest) -> tuple[str, Columns, Columns]:
+    """A case by name, what is told of it, and its truth."""
+    cases, name = folder("VSENSOR_REFERENCE_DATA"), str(request.param)
     told = estimated(reference_rig(cases / f"{name}.json"), cases / f"{name}_surface.csv")
-    truth = table(cases / f"{name}_downhole.csv")
-    when = told["confirmed_time_s"]
-    scored = np.isfinite(when) & (when >= 10)
-    speed = np.interp(when[scored], truth["time_s"], truth["bit_speed_rad_s"])
-    error = told["confirmed_speed_rad_s"][scored] - speed
+    return name, told, table(cases / f"{name}_downhole.csv")
+
+
+SPEED, TORQUE = ("speed", "rad_s"), ("torque", "nm")
+
+
+def errors(told: Columns, truth: Columns, kind: str, quantity: tuple[str, str]) -> tuple[Floats, Floats]:
+    """What one kind of answer misses from the tenth second on, and the deviations stated with it."""
+    name, unit = quantity
+    when = told["time_s" if kind == "now" else f"{kind}_time_s"]
+    value, deviation = told[f"{kind}_{name}_{unit}"], told[f"{kind}_{name}_std_{unit}"]
+    scored = np.isfinite(when) & np.isfinite(value) & (when >= 10) & (when <= truth["time_s"][-1])
+    true = np.interp(when[scored], truth["time_s"], truth[f"bit_{name}_{unit}"])
+    return value[scored] - true, deviation[scored]
+
+
+def rms(values: Floats) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+SHARES = {
+    ("stick_slip", "confirmed"): 0.005,
+    ("stick_slip", "now"): 0.025,
+    ("stick_slip", "forecast"): 0.025,
+    ("smooth_drilling", "confirmed"): 0.015,
+    ("deviated_off_bottom", "confirmed"): 0.015,
+}
+"""Of the true bit speed's range, what the rms error of its speed may be."""
+
+
+def test_the_bit_is_that_of_the_reference(case: tuple[str, Columns, Columns]) -> None:
+    name, told, truth = case
     span = np.ptp(truth["bit_speed_rad_s"][truth["time_s"] >= 10])
-    assert np.sqrt(np.mean(error**2)) <= share * span
-    torque = np.interp(when[scored], truth["time_s"], truth["bit_torque_nm"])
-    assert abs(np.mean(told["confirmed_torque_nm"][scored] - torque)) < 100
+    for kind in ("confirmed", "now", "forecast"):
+        if limit := SHARES.get((name, kind)):
+            assert rms(errors(told, truth, kind, SPEED)[0]) <= limit * span, kind
+    torque, _ = errors(told, truth, "confirmed", TORQUE)
+    assert rms(torque) <= 300
+    assert abs(np.mean(torque)) < 100
+
+
+@pytest.mark.parametrize("kind", ["confirmed", "now", "forecast"])
+def test_errors_of_speed_are_as_large_as_is_stated(case: tuple[str, Columns, Columns], kind: str) -> None:
+    """Within two stated deviations: 95 % of the errors were they normal and the statement exact."""
+    _, told, truth = case
+    error, deviation = errors(told, truth, kind, SPEED)
+    assert len(error) > 1000
+    assert 0.90 <= np.mean(np.abs(error) <= 2 * deviation) <= 0.999
+
+
+WARM_S = 8.0
+"""The string of the step has stood so long before, longer than warming up takes."""
 
 
 def test_the_papers_step_is_its_closed_form_away_from_the_fronts() -> None:
@@ -33,10 +76,10 @@ def test_the_papers_step_is_its_closed_form_away_from_the_fronts() -> None:
     """
     cases = folder("VSENSOR_REFERENCE_DATA")
     rig = reference_rig(cases / "paper_step.json")
-    told = estimated(rig, cases / "paper_step_surface.csv")
+    told = estimated(rig, cases / "paper_step_surface.csv", rest_s=WARM_S)
     theta, zeta, damping, inertia, torque = 1.268798, 733.009, 400.0, 2500.0, 7000.0
-    when = told["confirmed_time_s"]
-    front = 0.4  # s: the smoother's reach to either side
+    when = told["confirmed_time_s"] - WARM_S
+    front = 0.4  # s: how far to either side a front is felt
     smooth = (when > theta + front) & (when < 3 * theta - front)
     assert smooth.sum() > 100
     rate = (zeta + damping) / inertia
@@ -45,13 +88,17 @@ def test_the_papers_step_is_its_closed_form_away_from_the_fronts() -> None:
 
 
 def test_a_real_well_is_followed() -> None:
-    """Well B, 1733 m, off bottom: the midpoint of each half second's least and greatest bit speed."""
+    """Well B, 1733 m, off bottom: the midpoint of each half second's least and greatest bit speed.
+
+    Measured are 12.3 to 12.6 rpm, and up to half a one more where constants that hardly matter elsewhere are
+    others. The aim, 11 rpm, is not reached yet.
+    """
     field = folder("VSENSOR_FIELD_DATA")
     rig = load(Path(__file__).parent.parent / "config" / "well-b.toml")
     told = estimated(rig, field / "well_b_1733m_surface.csv")
     truth = table(field / "well_b_1733m_downhole.csv")
     known = np.isfinite(told["confirmed_time_s"])
     when, speed = told["confirmed_time_s"][known], told["confirmed_speed_rad_s"][known]
-    rms, r = midpoints(when, speed, truth)
-    assert rms <= 14 * np.pi / 30
-    assert r >= 0.97
+    missed, r = midpoints(when, speed, truth)
+    assert missed <= 13 * np.pi / 30
+    assert r >= 0.985

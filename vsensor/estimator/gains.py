@@ -22,7 +22,7 @@ from vsensor.estimator.along import Stations, keep_returned
 from vsensor.estimator.line import EVERY_JUNCTION, march, turn_top
 from vsensor.estimator.load import Load
 from vsensor.estimator.sections import Floats, Integers, Line
-from vsensor.estimator.spectra import Complexes, factorised, half_told, power, rounded, since
+from vsensor.estimator.spectra import Complexes, before, factorised, half_told, rounded
 from vsensor.jit import compiled
 
 ROCK_LEVELS: Floats = np.ldexp(25.0, np.arange(9))
@@ -157,14 +157,16 @@ def _at_level(
         response: Floats = np.fft.irfft(rock * tells_rock + motor * tells_motor, ticks)
         return response
 
-    def left(altogether: Floats, squares: Floats, start: int) -> Floats:
-        """Variances of what innovations up to so many ticks before, or after, have not told."""
-        return np.maximum(altogether - innovation * since(squares, start), 0.0)
-
     told = respond(of_rock.told, of_noise.told)
-    bit_and_top = kick * power(of_rock.told[:, -1]) + noise * power(of_noise.told[:, -1])
-    squares = told[:, -1] ** 2
-    unforeseen = [left(bit_and_top, squares, round(when))[:TOLD_TOP_SPEED] for when in ahead]
+    # Variances as sums of what no innovation ever tells and of what those tell that are still to come: the
+    # difference of what is and what is told is lost in the rounding of a string that turns freely.
+    rock, motor, squares = of_rock.told[:, -1], of_noise.told[:, -1], told[:, -1] ** 2
+    apart = kick * np.abs(rock) ** 2 + noise * np.abs(motor) ** 2
+    unlike = kick * noise * np.abs(rock * of_noise.seen - motor * of_rock.seen) ** 2
+    never = np.fft.irfft((speed_noise**2 * apart + unlike) / seen, ticks)[:, 0]
+    confirmed, *unforeseen = (
+        never + innovation * before(squares, when) for when in (1 - lag, *map(round, ahead))
+    )
     # One section at a time: at high rates all of them at once are too much for the processor's caches.
     waves = np.empty((*of_rock.waves.shape[:-1], ticks))
     for way, section in np.ndindex(*waves.shape[:2]):
@@ -178,8 +180,8 @@ def _at_level(
         down,
         back,
         _newest_first(told, lag),
-        left(bit_and_top, squares, 1 - lag),
-        np.array(unforeseen),
+        confirmed,
+        np.array(unforeseen)[:, :TOLD_TOP_SPEED],
         np.maximum(along, 0.0),
         half_told(by_rock / seen, plant.rate),
     )
@@ -212,7 +214,7 @@ def _responses(plant: Plant, at: Stations, ticks: int, *, by_rock: bool) -> _Res
     def forgotten(columns: Floats) -> Floats:
         """Columns (half · steps, K) as rows of ticks: shape (K, steps, half)."""
         rows = columns.reshape(half, -1, columns.shape[1]).transpose(2, 1, 0)
-        return np.multiply(rows, forgets, order="C")
+        return np.ascontiguousarray(rows * forgets, np.float64)
 
     of_state = np.fft.rfft(forgotten(state), ticks)[:, 0]
     of_waves = forgotten(waves).reshape(2, sections, plant.steps, half)

@@ -19,18 +19,11 @@ def factorised(spectrum: Floats) -> tuple[float, Complexes]:
     return variance, np.exp(np.fft.rfft(cepstrum, ticks))
 
 
-def since(squares: Floats, start: int) -> Floats:
-    """Sum of squares (…, ticks) from tick `start` on: what innovations until then have told."""
-    half = squares.shape[-1] // 2
-    future = squares[..., squares.shape[-1] + start :].sum(axis=-1) if start < 0 else 0.0
-    return np.asarray(squares[..., max(start, 0) : half].sum(axis=-1) + future)
-
-
-def power(spectra: Complexes) -> Floats:
-    """Sums of squares over all ticks of what has these spectra (…, F), by Parseval."""
-    squares = np.abs(spectra) ** 2
-    twice = 2 * squares.sum(axis=-1) - squares[..., 0] - squares[..., -1]
-    return np.asarray(twice / (2 * (spectra.shape[-1] - 1)))
+def before(squares: Floats, start: int) -> Floats:
+    """Sum of squares (…, ticks) before tick `start`: of innovations that are still to come by then."""
+    ticks = squares.shape[-1]
+    past = squares[..., ticks // 2 : ticks + min(start, 0)].sum(axis=-1)
+    return np.asarray(past + squares[..., : max(start, 0)].sum(axis=-1))
 
 
 def half_told(share: Floats, rate: float) -> float:

@@ -1,0 +1,53 @@
+"""Sticks foretold, and a bit off bottom: on simulated rigs, whose truth is known."""
+
+import numba
+import numpy as np
+import pytest
+
+from tests.strings import BIT, DRIVE, PIPE, rig
+from vsensor.estimator.estimator import Estimator
+from vsensor.estimator.kernel import CONFIRMED, OFF_BOTTOM, SPEED, STICK, TORQUE
+from vsensor.simulate.rig import SimulatedRig
+from vsensor.simulate.scenario import PLANS, Scenario
+
+if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+    pytest.skip("minutes of a rig: too slow without the compiler", allow_module_level=True)
+
+LONG = rig(PIPE.model_copy(update={"length": 2500.0}), bit=BIT, top_drive=DRIVE, rate=50.0)
+
+
+def test_a_stick_foretold_comes_true() -> None:
+    simulated = SimulatedRig(LONG, PLANS[Scenario.STICK_SLIP], seed=3)
+    readings = np.array([simulated.sample() for _ in range(60 * 50)])
+    told = Estimator(LONG).run(readings[:, 1], readings[:, 2]).values[:, STICK]
+    rests = readings[:, 4] == 0
+    assert 0.1 < rests.mean() < 0.9
+    warned = (told > 0) & (np.arange(len(told)) > 1000) & (np.arange(len(told)) < len(told) - 150)
+    assert warned.sum() > 50
+    when = readings[warned, 0] + told[warned] + 0.15
+    resting = np.interp(when, readings[:, 3], rests.astype(float))
+    assert resting.mean() > 0.85
+
+
+def test_smooth_drilling_is_told_of_no_stick() -> None:
+    simulated = SimulatedRig(LONG, PLANS[Scenario.SMOOTH], seed=3)
+    readings = np.array([simulated.sample() for _ in range(60 * 50)])
+    told = Estimator(LONG).run(readings[:, 1], readings[:, 2]).values[:, STICK]
+    assert np.isnan(told[1500:]).all()
+
+
+def test_off_bottom_the_bit_meets_nothing_and_the_law_that_was_learned_is_kept() -> None:
+    drilling = SimulatedRig(LONG, PLANS[Scenario.SMOOTH], seed=3)
+    estimator = Estimator(LONG)
+    readings = np.array([drilling.sample() for _ in range(40 * 50)])
+    estimator.run(readings[:, 1], readings[:, 2])
+    law = estimator.law
+    lifted = SimulatedRig(LONG, PLANS[Scenario.OFF_BOTTOM], seed=3)
+    free = np.array([lifted.sample() for _ in range(60 * 50)])
+    off = np.full(len(free), OFF_BOTTOM)
+    values = estimator.run(free[:, 1], free[:, 2], off).values[1500:]
+    assert estimator.law == law
+    when = free[1500:, 0] - estimator.confirmed_delay
+    error = values[:, CONFIRMED + SPEED] - np.interp(when, free[:, 3], free[:, 4])
+    assert np.sqrt(np.mean(error**2)) < 0.15
+    assert abs(values[:, CONFIRMED + TORQUE].mean()) < 100

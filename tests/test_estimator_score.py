@@ -1,0 +1,150 @@
+"""Scores, restlessness of the rock, and corrections of the configuration: each against what made its data."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.observer import LINEAR
+from vsensor.config import Tuning as Settings
+from vsensor.estimator.estimator import Estimator
+from vsensor.estimator.gains import ROCK_LEVELS
+from vsensor.estimator.rock import weigh_rock
+from vsensor.estimator.score import CHANGE, EXPECTED, VALUE, fresh_scores, score, variance
+from vsensor.estimator.sections import Floats
+from vsensor.estimator.tune import (
+    BOUND,
+    DELAY,
+    FRICTION,
+    INERTIA,
+    correct,
+    fresh_tuning,
+    wall_torque,
+    weigh_tare,
+)
+
+RATE = 50.0
+OFF = np.array([0.008, 0.05])
+
+
+def scored(changes: Floats, u: Floats, a: float, b: float, seed: int = 1) -> Floats:
+    """The law found from normal misses whose variance is a u + b x²."""
+    random = np.random.default_rng(seed)
+    scores = fresh_scores(4, RATE)
+    for tick, (x, expected) in enumerate(zip(changes, u, strict=True)):
+        scores.foretold[0, 0, :, tick % 4] = 0.0, x, expected
+        miss = np.sqrt(a * expected + b * x * x) * random.standard_normal()
+        score(scores, 0, 0, tick, float(miss), RATE)
+    return np.asarray(scores.law[0, 0])
+
+
+@pytest.mark.parametrize(("a", "b"), [(1.0, 4.0), (3.0, 0.5), (0.5, 20.0)])
+def test_what_misses_are_made_of_is_found(a: float, b: float) -> None:
+    random = np.random.default_rng(2)
+    law = scored(np.abs(random.standard_normal(20_000)), random.uniform(0.05, 0.2, 20_000), a, b)
+    assert law == pytest.approx([a, b], rel=0.25)
+
+
+def test_where_changes_tell_nothing_the_gains_variance_alone_is_scaled() -> None:
+    law = scored(np.zeros(20_000), np.full(20_000, 0.1), 2.5, 0.0)
+    assert law == pytest.approx([2.5, 0.0], rel=0.1)
+
+
+def test_before_anything_was_scored_it_is_as_the_gains_have_it() -> None:
+    scores = fresh_scores(4, RATE)
+    row = np.zeros(3)
+    row[VALUE], row[CHANGE], row[EXPECTED] = 5.0, 7.0, 0.3
+    assert variance(scores, 0, 0, row) == 0.3
+
+
+def test_a_wild_miss_is_no_more_than_one_of_five_deviations() -> None:
+    one, other = fresh_scores(4, RATE), fresh_scores(4, RATE)
+    for scores, miss in ((one, 1e9), (other, 5.0 * np.sqrt(0.1))):
+        scores.foretold[0, 0, :, 0] = 0.0, 0.0, 0.1
+        score(scores, 0, 0, 0, miss, RATE)
+    assert one.law[0, 0] == pytest.approx(other.law[0, 0])
+    assert one.law[0, 0, 0] > 1
+
+
+@settings(max_examples=30)
+@given(st.lists(st.tuples(st.floats(-1e3, 1e3), st.floats(0, 1e3), st.floats(1e-6, 1e3)), max_size=60))
+def test_no_variance_is_ever_negative_or_unknown(misses: list[tuple[float, float, float]]) -> None:
+    scores = fresh_scores(4, RATE)
+    for tick, (miss, change, expected) in enumerate(misses):
+        scores.foretold[0, 0, :, tick % 4] = 0.0, change, expected
+        score(scores, 0, 0, tick, miss, RATE)
+    assert np.isfinite(scores.law).all()
+    assert (scores.law >= 0).all()
+
+
+@pytest.mark.parametrize("level", range(len(ROCK_LEVELS)))
+def test_the_gains_follow_the_rocks_restlessness(level: int) -> None:
+    """Told with the error that a smoother leaves: what it tells and what it lacks add up to the rock."""
+    estimator = Estimator(LINEAR)
+    model, state = estimator._model, estimator._state
+    random = np.random.default_rng(level)
+    rate = LINEAR.loop.rate
+    for _ in range(round(60 * rate)):
+        lacks = model.gains.variance[state.level[0], 1]
+        tells = np.sqrt(max(ROCK_LEVELS[level] ** 2 - lacks, 0.0)) * random.standard_normal()
+        weigh_rock(model, state, 10.0, 60.0 * 10.0 + float(tells))
+    assert abs(int(state.level[0]) - level) <= 1
+
+
+def test_a_bit_that_hardly_turns_says_nothing_of_the_rock() -> None:
+    estimator = Estimator(LINEAR)
+    before = estimator._state.rock_square[0]
+    weigh_rock(estimator._model, estimator._state, 0.3, 9e4)
+    assert estimator._state.rock_square[0] == before
+
+
+def told(p: int, wrong: float, sharp: float, rounds: int = 12) -> float:
+    """What a parameter is corrected to, each time after misfits of a parabola about what is right."""
+    tuning = fresh_tuning(Settings())
+    for _ in range(rounds):
+        apart = float(tuning.value[p]) - wrong
+        tuning.misfit[p] = 1e4 + sharp * np.array([apart, apart + OFF[p], apart - OFF[p]]) ** 2
+        correct(tuning, OFF, True)
+    return float(tuning.value[p])
+
+
+@pytest.mark.parametrize(("p", "wrong"), [(DELAY, 0.015), (DELAY, -0.015), (INERTIA, 0.1), (INERTIA, -0.1)])
+def test_a_parabola_of_misfits_leads_to_the_truth(p: int, wrong: float) -> None:
+    assert told(p, wrong, sharp=1e9) == pytest.approx(wrong, rel=0.02)
+
+
+def test_what_is_right_stays_and_what_is_unsure_stays() -> None:
+    for p in (DELAY, INERTIA):
+        assert told(p, 0.0, sharp=1e9) == 0.0
+        assert told(p, 0.01, sharp=1.0) == 0.0
+
+
+def test_no_correction_goes_beyond_three_deviations_and_none_is_made_when_switched_off() -> None:
+    for p, deviation in ((DELAY, 0.01), (INERTIA, 0.05)):
+        assert told(p, 1.0, sharp=1e9, rounds=60) == pytest.approx(BOUND * deviation)
+    tuning = fresh_tuning(Settings())
+    tuning.misfit[DELAY] = 1e6, 1e7, 0.0
+    tuning.tare[:] = 1e9, 1e9
+    assert not correct(tuning, OFF, False)
+    assert (tuning.value == 0).all()
+
+
+def test_off_bottom_the_walls_friction_is_found_once_and_no_more() -> None:
+    """A wall of 5 kN·m that is in truth 30 % rougher: 1.5 kN·m are left of the bit's torque until it is."""
+    tuning = fresh_tuning(Settings())
+    for _ in range(5):
+        for _ in range(500):
+            wall = 5e3 * (1 + float(tuning.value[FRICTION]))
+            weigh_tare(tuning, wall, 6.5e3 - wall, 100.0**2, RATE)
+        correct(tuning, OFF, True)
+    assert tuning.value[FRICTION] == pytest.approx(0.3, abs=0.02)
+    assert tuning.variance[FRICTION] < 0.02**2
+
+
+def test_the_walls_torque_is_that_of_all_junctions_and_against_the_motion() -> None:
+    line = Estimator(LINEAR).line
+    line = line._replace(kinetic=np.full_like(line.kinetic, 10.0))
+    viscous, count = float(line.viscous.sum()), len(line.kinetic)
+    assert wall_torque(line, 3.0) == pytest.approx(3 * viscous + 10 * count)
+    assert wall_torque(line, -3.0) == pytest.approx(-3 * viscous - 10 * count)
+    assert wall_torque(line, 0.0) == 0.0
