@@ -15,6 +15,7 @@ from vsensor.estimator.state import State
 KEPT = (
     "inputs",
     "missing",
+    "motor",
     "balances",
     "rock",
     "off_bottom",

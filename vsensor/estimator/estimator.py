@@ -302,10 +302,10 @@ def _model(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
         rate=rate,
         torque_noise=measured.torque_noise * passed,
         speed_noise=measured.speed_noise / drive.gear_ratio,
+        late=drive.torque_lag * rate,
     )
     lag = max(1, round(rig.estimator.lag * rate))
-    late = drive.torque_lag * rate
-    behind = math.ceil(late)
+    behind = math.ceil(plant.late)
     round_trip = int(line.round_trip.sum())
     model = Model(
         line=line,
@@ -322,7 +322,7 @@ def _model(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
         rate=rate,
         steps=steps,
         behind=behind,
-        late=late,
+        late=plant.late,
         lag=lag,
         now=0,
         forecast=0,

@@ -50,6 +50,9 @@ class Gains(NamedTuple):
     """Variance of the innovation, (rad/s)², shape (C,)."""
     state: Floats
     """Of the present state, shape (C, 5)."""
+    motor: Floats
+    """Of the torque samples that go on to act: the present tick's, and those that are ahead of it because
+    torque is told late; shape (C, ⌈late⌉ + 1)."""
     waves: Floats
     """Of the wave f at each section's top, newest first, shape (C, M, L)."""
     returned: Floats
@@ -80,6 +83,8 @@ class Plant(NamedTuple):
     torque_noise: float
     """Of a sample, at the string's side of the gear, N·m."""
     speed_noise: float
+    late: float = 0.0
+    """How many ticks a sample of torque is late."""
 
 
 class _Seats(NamedTuple):
@@ -98,6 +103,8 @@ class _Responses(NamedTuple):
     """Top speed, shape (F,)."""
     state: Complexes
     """Shape (5, F)."""
+    motor: Complexes
+    """The sample of torque itself, at its own tick; nothing where the rock is the unknown, shape (F,)."""
     waves: Complexes
     """At the sections' tops, down and back, at each internal step of the tick, shape (2, M, steps, F)."""
     told: Complexes
@@ -122,6 +129,7 @@ def gains(plant: Plant, at: Stations, lag: int, ahead: tuple[float, float]) -> G
         levels=of.levels,
         innovation=rounded(of.innovation, by_itself=True),
         state=rounded(of.state.T).T.copy(),
+        motor=rounded(of.motor),
         waves=rounded(of.waves),
         returned=rounded(of.returned),
         told=rounded(of.told),
@@ -140,7 +148,7 @@ def _at_level(
     level: float,
     lag: int,
     ahead: tuple[float, float],
-) -> tuple[float, Floats, Floats, Floats, Floats, Floats, Floats, Floats, float]:
+) -> tuple[float, Floats, Floats, Floats, Floats, Floats, Floats, Floats, Floats, float]:
     kick = level**2 * (1 - rock_fade(plant.rate) ** 2)
     noise = plant.torque_noise**2
     ticks = 2 * (len(of_rock.seen) - 1)
@@ -177,6 +185,7 @@ def _at_level(
     return (
         innovation,
         respond(of_rock.state, of_noise.state)[:, 0],
+        respond(of_rock.motor, of_noise.motor)[: math.ceil(plant.late) + 1],
         down,
         back,
         _newest_first(told, lag),
@@ -206,7 +215,17 @@ def _responses(plant: Plant, at: Stations, ticks: int, *, by_rock: bool) -> _Res
     fade = rock_fade(plant.rate * plant.steps)
     size = 1 << int(line.round_trip.max() + plant.steps).bit_length()
     rings = np.zeros((2, sections, size))
-    _strike(free, load, plant.drive_rate, plant.steps, fade, by_rock, rings, state, waves, told)
+    # A sample acts on the tick before it and on the one after, and so much earlier as it is told late.
+    own = math.ceil(plant.late)
+    pulls = np.maximum(
+        0.0, 1 - np.abs((np.arange(half * plant.steps) + 1) / plant.steps - 1 - own + plant.late)
+    )
+    sample = np.zeros(half)
+    if by_rock:
+        pulls[:] = 0.0
+    else:
+        sample[own] = 1.0
+    _strike(free, load, plant.drive_rate, plant.steps, fade, by_rock, pulls, rings, state, waves, told)
     # Cut off, what is left at the end would ring in the spectra: it fades from the middle on.
     fades = np.minimum(1.0, 2 * np.cos(np.pi / 2 * np.arange(half) / half) ** 2)
     forgets = fades * np.exp(-np.arange(half) / (MEMORY_S * plant.rate))
@@ -223,6 +242,7 @@ def _responses(plant: Plant, at: Stations, ticks: int, *, by_rock: bool) -> _Res
     return _Responses(
         of_state[TOP_SPEED],
         of_state,
+        np.fft.rfft(sample * forgets, ticks),
         np.fft.rfft(of_waves, ticks),
         np.fft.rfft(forgotten(told), ticks),
         _squares_along(plant, at, padded, room, half + room),
@@ -266,12 +286,13 @@ def _strike(
     steps: int,
     fade: float,
     by_rock: bool,
+    pulls: Floats,
     rings: Floats,
     state: Floats,
     waves: Floats,
     told: Floats,
 ) -> None:
-    """Answers of a string at rest to 1 N·m of rock that fades, or of motor torque at one tick's sample."""
+    """Answers of a string at rest to 1 N·m of rock that fades, or to `pulls` of the motor, N·m at each step."""
     ring = rings[0]
     mask = ring.shape[1] - 1
     speeds = np.zeros(line.impedance.shape[0] + 1)
@@ -282,9 +303,7 @@ def _strike(
         g, bit_balance = march(
             line, load, ring, step - 1, 1, step - 1, EVERY_JUNCTION, rock, 1.0, speeds, bit_balance, bit
         )
-        # A sample of torque stands for a straight line from the sample before, and to the one after.
-        motor = 0.0 if by_rock else max(0.0, 1.0 - abs(step + 1 - steps) / steps)
-        w, top_balance = turn_top(line, drive_rate, motor - g, speeds[0], top_balance)
+        w, top_balance = turn_top(line, drive_rate, pulls[step] - g, speeds[0], top_balance)
         speeds[0] = w
         ring[0, step & mask] = g + 2 * line.impedance[0] * w
         keep_returned(line, ring, speeds, step, rings[1])

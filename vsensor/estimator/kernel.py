@@ -127,6 +127,8 @@ def _keep(state: State, channel: int, value: float, missing: bool) -> None:
     width = state.inputs.shape[1]
     place = state.ticks[0] % width
     state.missing[channel, place] = 1 if missing else 0
+    if channel == 0:
+        state.motor[:, place] = 0.0
     if missing:
         state.inputs[channel, place] = state.inputs[channel, (place - 1) % width]
     elif state.ticks[0] == 0:

@@ -76,10 +76,10 @@ def observe(model: Model, state: State, which: int) -> None:
         share = (row + 1) / model.steps
         speed = inputs[SPEED, before] + share * (inputs[SPEED, place] - inputs[SPEED, before])
         at = share + model.late - whole
-        if at <= 1.0:
-            torque = inputs[TORQUE, early] + at * (inputs[TORQUE, then] - inputs[TORQUE, early])
-        else:
-            torque = inputs[TORQUE, then] + (at - 1.0) * (inputs[TORQUE, after] - inputs[TORQUE, then])
+        one, other = (early, then) if at <= 1.0 else (then, after)
+        between = at if at <= 1.0 else at - 1.0
+        start = inputs[TORQUE, one] + state.motor[which, one]
+        torque = start + between * (inputs[TORQUE, other] + state.motor[which, other] - start)
         step = state.ticks[0] * model.steps + row
         string.rock[0] *= model.fade
         if silent:
@@ -97,6 +97,9 @@ def observe(model: Model, state: State, which: int) -> None:
         state.innovation[which] = innovation
         last = state.ticks[0] * model.steps + model.steps - 1
         correct_ends(model.gains, state.level[0], string, innovation)
+        for ahead in range(model.behind + 1):
+            at_sample = (place + ahead) % width
+            state.motor[which, at_sample] += model.gains.motor[state.level[0], ahead] * innovation
         correct_told(model.gains.told[state.level[0]], string.told, last, innovation)
         if which == 0:
             correct_waves(model.gains.waves[state.level[0]], string.waves, last, innovation)

@@ -82,6 +82,8 @@ class State(NamedTuple):
     """Motor torque and speed of the last ticks, a ring, shape (2, ticks);"""
     missing: Integers
     """and whether each was missing, 0 or 1, same shape."""
+    motor: Floats
+    """What is held of each string against the torques of that ring, N·m, shape (N, ticks)."""
     waves: Floats
     """The wave f at the top of each section by internal step, of each string; shape (N, M, size), size a
     power of two."""
@@ -171,6 +173,7 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
     return State(
         inputs=np.zeros((2, model.behind + 2)),
         missing=np.zeros((2, model.behind + 2), np.int64),
+        motor=np.zeros((STRINGS, model.behind + 2)),
         waves=np.zeros((STRINGS, sections, size)),
         returned=np.zeros((sections, size)),
         junctions=np.zeros((STRINGS, sections + 1)),
