@@ -84,28 +84,32 @@ class _Told(Offline):
             yield given._replace(off_bottom=given.time_ns < self._until_s * NS)
 
 
-def run(rig: Rig, surface: Path, off_bottom_until_s: float = 0.0, rest_s: float = 0.0) -> Run:
+def run(
+    rig: Rig, surface: Path, off_bottom_until_s: float = 0.0, rest_s: float = 0.0, torque_scale: float = 1.0
+) -> Run:
     """Run a surface table through the sensor, `rest_s` seconds of rest put before it."""
     sensor = _Told(rig, off_bottom_until_s)
     chunks = list(
-        sensor.estimates(surface_samples(_after_rest(read_surface(surface), rest_s, rig.loop.rate)))
+        sensor.estimates(
+            surface_samples(_after_rest(read_surface(surface), rest_s, rig.loop.rate, torque_scale))
+        )
     )
     told = {name: np.concatenate([np.asarray(chunk[name]) for chunk in chunks]) for name in chunks[0]}
     return Run(told, sensor.tuning)
 
 
-def _after_rest(measured: SurfaceTable, rest_s: float, rate: float) -> SurfaceTable:
+def _after_rest(measured: SurfaceTable, rest_s: float, rate: float, scale: float) -> SurfaceTable:
     rest = np.arange(round(rest_s * rate)) / rate
     return SurfaceTable(
         time_s=np.append(rest, measured.time_s + rest_s),
-        motor_torque_nm=np.append(0 * rest, measured.motor_torque_nm),
+        motor_torque_nm=np.append(0 * rest, scale * measured.motor_torque_nm),
         motor_speed_rad_s=np.append(0 * rest, measured.motor_speed_rad_s),
     )
 
 
-def estimated(rig: Rig, surface: Path, rest_s: float = 0.0) -> Columns:
+def estimated(rig: Rig, surface: Path, rest_s: float = 0.0, torque_scale: float = 1.0) -> Columns:
     """The estimates table of a surface table that `rest_s` seconds of rest are put before."""
-    return run(rig, surface, rest_s=rest_s).told
+    return run(rig, surface, rest_s=rest_s, torque_scale=torque_scale).told
 
 
 def table(path: Path) -> Columns:

@@ -116,8 +116,8 @@ def test_speed_and_torque_are_continuous_where_components_meet(
     told = peeled.told()
     meets = np.flatnonzero(np.diff(at.component))
     assert len(meets) == len(string) - 1
-    np.testing.assert_allclose(told[SPEED, meets], told[SPEED, meets + 1], rtol=1e-9, atol=1e-9)
-    np.testing.assert_allclose(told[TORQUE, meets], told[TORQUE, meets + 1], rtol=1e-9, atol=1e-6)
+    for told_of, above in zip(told, told[:, meets], strict=True):  # peeled noise grows on its way down
+        np.testing.assert_allclose(above, told_of[meets + 1], atol=1e-10 * np.abs(told_of).max() + 1e-9)
 
 
 @given(strings(), st.floats(1e-3, 2e-2))

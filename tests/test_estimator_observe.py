@@ -130,25 +130,36 @@ def test_a_bit_at_rest_stays_exactly_at_rest_whatever_the_noise_says() -> None:
     assert told[-200:, CONFIRMED + TORQUE].mean() == pytest.approx(5e3, rel=0.03)
 
 
-@settings(max_examples=8)
+@settings(max_examples=5)
 @given(st.integers(0, 2**32 - 1), st.integers(0, len(ROCK_LEVELS) - 1))
 def test_corrections_never_feed_on_themselves(seed: int, level: int) -> None:
     """Whichever gains are in force, and whatever came in, it is forgotten."""
     random = np.random.default_rng(seed)
     estimator = pinned(LINEAR, level)
     estimator.run(3e4 * random.standard_normal(40), 20 * random.standard_normal(40))
-    calm = np.abs(estimator.run(np.zeros(2000), np.zeros(2000)).values[:, CONFIRMED + SPEED])
+    calm = np.abs(estimator.run(np.zeros(1200), np.zeros(1200)).values[:, CONFIRMED + SPEED])
     assert calm[-200:].max() < 0.5 * calm[50:250].max()
 
 
-@pytest.mark.xfail(reason="open: they grow without end at few ticks a second; a little in a minute at 100 Hz")
-def test_a_ringing_string_is_not_driven_by_its_corrections_either() -> None:
-    """Without any loss in a pipe held by heavy ends, and gains made for a string that forgets."""
+@pytest.mark.parametrize("level", [0, 4])
+def test_a_top_without_inertia_is_not_driven_by_the_noise_of_its_last_sample(level: int) -> None:
+    """The next tick's torque begins at that sample; left as it was measured, it drove the string away."""
+    of = rig(PIPE, rate=50.0, bit={"inertia": 50.0, "viscous_friction": 60.0}, tuning=ALONE)
+    assert of.top_drive.inertia == 0
+    assert _grown(pinned(of, level)) < 1
+
+
+def test_a_string_without_any_loss_is_not_driven_by_its_corrections_either() -> None:
     free = PIPE.model_copy(update={"length": 600.0, "viscous_friction": 0.0})
-    of = rig(free, rate=20.0, bit={"inertia": 50.0, "viscous_friction": 40.0}, tuning=ALONE)
-    for level in (4, len(ROCK_LEVELS) - 1):
-        estimator = pinned(of, level)
-        random = np.random.default_rng(1)
-        estimator.run(3e3 * random.standard_normal(100), 0.1 * random.standard_normal(100))
-        told = estimator.run(np.zeros(3000), np.zeros(3000)).values[:, CONFIRMED + SPEED]
-        assert np.abs(told[-200:]).max() < np.abs(told[200:400]).max()
+    bit, drive = {"inertia": 50.0, "viscous_friction": 40.0}, {"inertia": 200.0}
+    of = rig(free, rate=20.0, bit=bit, top_drive=drive, tuning=ALONE, estimator={"learn": False})
+    assert _grown(pinned(of, len(ROCK_LEVELS) - 1)) < 1
+
+
+def _grown(estimator: Estimator) -> float:
+    """What is left half a minute later of what a burst of noise left behind."""
+    random = np.random.default_rng(1)
+    estimator.run(300 * random.standard_normal(200), 0.1 * random.standard_normal(200))
+    ticks = 1600
+    swing = np.abs(estimator.run(np.zeros(ticks), np.zeros(ticks)).values[:, CONFIRMED + SPEED])
+    return float(swing[-ticks // 4 :].max() / swing[ticks // 4 : ticks // 2].max())

@@ -41,6 +41,8 @@ TRUSTED = 9.0
 """A prediction that misses by less than so many variances, three deviations, misses by the rock alone."""
 OFF_BOTTOM = 1 << 16
 """Flag of an input: the bit is off bottom. Not a reason to doubt anything."""
+LOST = 1e4
+"""Innovations a hundred times larger than expected: the model string has nothing to do with the real one."""
 LEAST_SURPRISE = 0.05
 """Innovations so much smaller than expected are none: the string stands still."""
 TURNING = 0.5
@@ -75,9 +77,8 @@ def advance(
     for k in range(torque.shape[0]):
         flags = _enter(model, state, torque[k], speed[k], reasons[k])
         _follow_bit(model, state, reasons[k] & OFF_BOTTOM != 0)
-        if state.ticks[0] == 0:
-            for which in range(STRINGS):
-                settle(model, state, which, state.inputs[0, 0], state.inputs[1, 0])
+        if state.ticks[0] == 0 or state.surprise[0] > LOST:
+            _lay(model, state)
         out_reasons[k] = _lasting(model, state, flags)
         for which in range(STRINGS):
             observe(model, state, which)
@@ -113,6 +114,16 @@ def _enter(model: Model, state: State, torque: float, speed: float, reasons: int
 
 
 @compiled
+def _lay(model: Model, state: State) -> None:
+    """Lay the waves of all strings as of steady rotation, at the start or where they have gone astray."""
+    place = state.ticks[0] % state.inputs.shape[1]
+    for which in range(STRINGS):
+        settle(model, state, which, state.inputs[0, place], state.inputs[1, place])
+    state.surprise[:] = 1.0
+    state.ticks[1] = state.ticks[0]
+
+
+@compiled
 def _follow_bit(model: Model, state: State, off: bool) -> None:
     """Count since when the bit has been off bottom; the model's own is a travel time behind."""
     count = state.off_bottom[0]
@@ -141,7 +152,7 @@ def _keep(state: State, channel: int, value: float, missing: bool) -> None:
 def _lasting(model: Model, state: State, flags: int) -> int:
     """Flags of the confirmed answer: all that were raised on any input that takes part in it."""
     tick = state.ticks[0]
-    lasting = _WARMING_UP if tick < model.span else 0
+    lasting = _WARMING_UP if tick - state.ticks[1] < model.span else 0
     for bit in range(FLAGS):
         if flags >> bit & 1:
             state.last_seen[bit] = tick

@@ -110,7 +110,7 @@ class State(NamedTuple):
     level: Integers
     """Which of the gains are in force, shape (1,)."""
     ticks: Integers
-    """Ticks done, shape (1,)."""
+    """Ticks done, and the tick at which the waves were laid last, shape (2,)."""
     last_seen: Integers
     """The last tick at which each flag was raised, shape (FLAGS,)."""
     learned: Learned
@@ -186,7 +186,7 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
         held=np.zeros(model.lag + 1),
         rock_square=np.array([model.gains.levels[level] ** 2]),
         level=np.array([level]),
-        ticks=np.zeros(1, np.int64),
+        ticks=np.zeros(2, np.int64),
         last_seen=np.full(FLAGS, -(1 << 62), np.int64),
         learned=fresh_law(bit),
         scores=fresh_scores(ahead // model.steps + model.lag + 2, model.rate),
