@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from vsensor.config import Rig
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.kernel import CONFIRMED, FORECAST, NOW, SPEED, SPEED_STD, TORQUE, TORQUE_STD
+from vsensor.estimator.tune import EVERY_S
 from vsensor.intake import NS, Input, Intake
 from vsensor.messages import Sample
 from vsensor.quality import Reason, verdict
@@ -23,6 +24,7 @@ class Offline:
     def __init__(self, rig: Rig) -> None:
         self.intake = Intake(rig)
         self._estimator = Estimator(rig)
+        self._between = round(EVERY_S * rig.loop.rate)
 
     @property
     def tuning(self) -> NDArray[np.float64]:
@@ -33,23 +35,32 @@ class Offline:
         """Yield the estimates table of `contracts` in chunks of columns, one row a tick."""
         inputs = self._inputs(samples)
         while chunk := list(islice(inputs, CHUNK)):
-            yield from map(self._run, _unbroken(chunk))
+            yield from map(self._run, self._unbroken(chunk))
 
     def _inputs(self, samples: Iterable[tuple[str, Sample]]) -> Iterator[Input]:
         for topic, sample in samples:
             yield from self.intake.take(topic, sample)
 
+    def _unbroken(self, inputs: list[Input]) -> Iterator[list[Input]]:
+        """Split where the grid was laid anew, and where self-tuning may change how late answers are."""
+        start = 0
+        for at in range(1, len(inputs)):
+            if inputs[at].number % self._between == 0:
+                yield inputs[start:at]
+                start = at
+        yield inputs[start:]
+
     def _run(self, inputs: list[Input]) -> Mapping[str, NDArray[np.generic]]:
         if inputs[0].number == 0:
             self._estimator.restart()
         times = np.array([given.time_ns for given in inputs])
+        confirmed = times - round(self._estimator.confirmed_delay * NS)
+        forecast = times + round(self._estimator.forecast_horizon * NS)
         values, reasons = self._estimator.run(
             [given.motor_torque for given in inputs],
             [given.motor_speed for given in inputs],
             [int(given.reasons) for given in inputs],
         )
-        confirmed = times - round(self._estimator.confirmed_delay * NS)
-        forecast = times + round(self._estimator.forecast_horizon * NS)
         return {
             "time_s": _seconds(times),
             "confirmed_time_s": np.where(np.isnan(values[:, CONFIRMED]), np.nan, _seconds(confirmed)),
@@ -78,13 +89,3 @@ def _answer(kind: str, columns: NDArray[np.float64]) -> dict[str, NDArray[np.flo
         f"{kind}_torque_nm": columns[:, TORQUE],
         f"{kind}_torque_std_nm": columns[:, TORQUE_STD],
     }
-
-
-def _unbroken(inputs: list[Input]) -> Iterator[list[Input]]:
-    """Split where the grid was laid anew."""
-    start = 0
-    for at in range(1, len(inputs)):
-        if inputs[at].number == 0:
-            yield inputs[start:at]
-            start = at
-    yield inputs[start:]

@@ -66,6 +66,10 @@ class Gains(NamedTuple):
     """Frequency up to which at least half of the rock's torque is told, Hz, shape (C,)."""
 
 
+MIXED = ("state", "variance", "unforeseen")
+"""Whose rows hold speeds beside torques: each is rounded by the size of its own kind."""
+
+
 class Plant(NamedTuple):
     """What gains are for; `steps` internal steps a tick, inertias as 2 J / Δt of a step (trapezoid rule)."""
 
@@ -116,20 +120,8 @@ def gains(plant: Plant, at: Stations, lag: int, ahead: tuple[float, float]) -> G
     ticks = 1 << (round(HORIZON_S * plant.rate) - 1).bit_length()
     of_rock, of_noise = (_responses(plant, at, ticks, by_rock=by_rock) for by_rock in (True, False))
     each = [_at_level(plant, at, of_rock, of_noise, float(level), lag, ahead) for level in ROCK_LEVELS]
-    of = Gains(ROCK_LEVELS.copy(), *(np.array(column) for column in zip(*each, strict=True)))
-    # Rows of several quantities, each of its own unit, are rounded by the levels of each.
-    return Gains(
-        levels=of.levels,
-        innovation=rounded(of.innovation, by_itself=True),
-        state=rounded(of.state.T).T.copy(),
-        waves=rounded(of.waves),
-        returned=rounded(of.returned),
-        told=rounded(of.told),
-        variance=rounded(of.variance.T).T.copy(),
-        unforeseen=rounded(of.unforeseen.T).T.copy(),
-        along=rounded(of.along),
-        band=rounded(of.band, by_itself=True),
-    )
+    columns = zip(Gains._fields[1:], map(np.array, zip(*each, strict=True)), strict=True)
+    return Gains(ROCK_LEVELS.copy(), *(rounded(of, 0 if name in MIXED else -1) for name, of in columns))
 
 
 def _at_level(
@@ -212,7 +204,7 @@ def _responses(plant: Plant, at: Stations, ticks: int, *, by_rock: bool) -> _Res
     def forgotten(columns: Floats) -> Floats:
         """Columns (half · steps, K) as rows of ticks: shape (K, steps, half)."""
         rows = columns.reshape(half, -1, columns.shape[1]).transpose(2, 1, 0)
-        return np.multiply(rows, forgets, order="C")
+        return np.asarray(np.multiply(rows, forgets, order="C"))
 
     of_state = np.fft.rfft(forgotten(state), ticks)[:, 0]
     of_waves = forgotten(waves).reshape(2, sections, plant.steps, half)

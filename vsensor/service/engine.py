@@ -33,8 +33,6 @@ class Engine:
     def __init__(self, rig: Rig) -> None:
         self.intake = Intake(rig)
         self.estimator = Estimator(rig)
-        self._delay_ns = round(self.estimator.confirmed_delay * NS)
-        self._horizon_ns = round(self.estimator.forecast_horizon * NS)
         self.recent = np.full((ROWS, max(1, round(rig.estimator.severity_window * rig.loop.rate))), np.nan)
         """The bit as confirmed in the last ticks, and the top at its time, in no order; rows: `figures`."""
         self._newest = 0
@@ -61,24 +59,28 @@ class Engine:
         if tick.number == 0:
             self.estimator.restart()
             self.recent[:] = math.nan
+        # Self-tuning may change these after the tick, for the next one.
+        delay, horizon = self.estimator.confirmed_delay, self.estimator.forecast_horizon
         values, reasons = self.estimator.step(tick.motor_torque_nm, tick.motor_speed_rad_s, tick.reasons)
         self._warm = not reasons & Reason.WARMING_UP
         self._newest = tick.number % self.recent.shape[1]
         bit = values[CONFIRMED + SPEED], values[CONFIRMED + TORQUE]
         self.recent[:, self._newest] = *bit, *(self.estimator.top() if self._warm else (math.nan, math.nan))
-        return self._estimate(tick, values, Reason(reasons))
-
-    def _estimate(self, tick: Tick, values: Floats, reasons: Reason) -> Estimate:
-        estimate = Estimate(number=tick.number, time_ns=tick.time_ns, reasons=reasons)
-        estimate.quality = QualityMessage.ValueType(verdict(reasons))
-        for name, at in _FIELDS:
-            if not math.isnan(value := float(values[at])):
-                setattr(estimate, name, value)
+        estimate = _estimate(tick, values, Reason(reasons))
         if estimate.HasField("confirmed_bit_speed_rad_s"):
-            estimate.confirmed_time_ns = tick.time_ns - self._delay_ns
+            estimate.confirmed_time_ns = tick.time_ns - round(delay * NS)
         if estimate.HasField("forecast_bit_speed_rad_s"):
-            estimate.forecast_time_ns = tick.time_ns + self._horizon_ns
+            estimate.forecast_time_ns = tick.time_ns + round(horizon * NS)
         return estimate
+
+
+def _estimate(tick: Tick, values: Floats, reasons: Reason) -> Estimate:
+    estimate = Estimate(number=tick.number, time_ns=tick.time_ns, reasons=reasons)
+    estimate.quality = QualityMessage.ValueType(verdict(reasons))
+    for name, at in _FIELDS:
+        if not math.isnan(value := float(values[at])):
+            setattr(estimate, name, value)
+    return estimate
 
 
 def tick_of(given: Input) -> Tick:
