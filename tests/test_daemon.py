@@ -229,7 +229,8 @@ def test_the_string_is_told_ten_times_a_second_at_the_confirmed_time(life: Life)
     for number, profile in recorded.items():
         assert profile.time_ns == estimates[number].confirmed_time_ns
         speed = estimates[number].confirmed_bit_speed_rad_s
-        assert speed == 0 or profile.speed_rad_s[-1] == pytest.approx(speed, abs=1e-3)  # at rest it is held
+        if abs(speed) > 1:  # a bit at rest, or hardly turning, is held by more than waves tell
+            assert profile.speed_rad_s[-1] == pytest.approx(speed, abs=1e-3)
         assert profile.depth_m[-1] == SHORT.string[0].length
     heard = cast("list[Profile]", life.heard[STRING_PROFILE])
     assert heard
