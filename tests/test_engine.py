@@ -10,10 +10,13 @@ from tests.rigs import BEGUN_NS, NS, RATE, SHORT, Surface, samples, simulated
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.figures import BIT_SPEED, BIT_TORQUE, TOP_SPEED, TOP_TORQUE
 from vsensor.estimator.severity import severity
+from vsensor.estimator.tune import DELAY
 from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Estimate, Sample, Tick
 from vsensor.offline import Offline
 from vsensor.quality import Quality, Reason
 from vsensor.service.engine import Engine
+from vsensor.simulate.rig import SimulatedRig
+from vsensor.simulate.scenario import PLANS, Scenario
 from vsensor.tables import ESTIMATE_FIELDS
 
 Taken = list[tuple[Tick, Estimate]]
@@ -112,6 +115,27 @@ def test_a_clock_that_was_set_begins_anew_but_what_was_learned_stays() -> None:
         assert abs(apart) < other.confirmed_bit_speed_std_rad_s
     assert again[first][1].HasField("now_bit_speed_rad_s")  # its own error is known from before
     assert not fresh[first][1].HasField("now_bit_speed_rad_s")
+
+
+def test_answers_are_timed_by_the_delay_as_corrected() -> None:
+    """A string that is stiffer than configured; live as offline."""
+    soft = SHORT.string[0].model_copy(update={"shear_modulus": 0.9 * SHORT.string[0].shear_modulus})
+    source = SimulatedRig(SHORT, PLANS[Scenario.STICK_SLIP], 1)
+    feed = samples([source.sample() for _ in range(60 * RATE)])
+    wrong = SHORT.model_copy(
+        update={"string": (soft,), "tuning": SHORT.tuning.model_copy(update={"delay": 0.05})}
+    )
+    engine = Engine(wrong)
+    configured = round(engine.estimator.confirmed_delay * NS)
+    told = [estimate for _, estimate in take(engine, feed) if estimate.HasField("confirmed_bit_speed_rad_s")]
+    delays = [estimate.time_ns - estimate.confirmed_time_ns for estimate in told]
+    assert engine.estimator.tuning[DELAY] < 0
+    assert delays[0] == configured
+    assert delays[-1] == round(engine.estimator.confirmed_delay * NS) < configured
+    columns = list(Offline(wrong).estimates(feed))
+    offline = np.concatenate([chunk["confirmed_time_s"] for chunk in columns]).astype(float)
+    live = [estimate.confirmed_time_ns / NS for estimate in told]
+    assert offline[np.isfinite(offline)].tolist() == live
 
 
 def test_warming_up_is_told_and_nothing_else_with_it(taken: Taken) -> None:

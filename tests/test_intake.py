@@ -62,12 +62,12 @@ def test_a_tick_comes_as_soon_as_both_channels_reach_it_and_no_sooner() -> None:
 @given(st.floats(0, 0.0099), st.floats(6.0, 700.0), st.floats(6.0, 700.0))
 def test_off_the_grid_a_straight_line_is_drawn(shift_s: float, torque_rate: float, speed_rate: float) -> None:
     """A ramp comes out as the same ramp, at any rate of either channel, faster or slower than the tick."""
-    wide = Intake(rig(PIPE, measurement={"max_gap": 0.4}))
+    wide = Intake(rig(PIPE, measurement={"max_gap": 0.7}))
     torque = [(time_s, T) for time_s in steps(0, 1.0, torque_rate)]
     speed = [(time_s + shift_s, S) for time_s in steps(0, 1.0, speed_rate)]
     given_out = ticks((reading(topic, time_s, time_s) for time_s, topic in sorted(torque + speed)), wide)
 
-    assert len(given_out) >= 60
+    assert len(given_out) >= 50
     for tick in given_out:
         time_s = (tick.time_ns - BEGUN) / NS
         assert tick.motor_torque == pytest.approx(time_s, abs=2e-9)

@@ -79,8 +79,9 @@ LAG = """
 ## What the lag buys
 
 For `[estimator] lag` later samples correct an answer before it is confirmed. The longer it is, the less noise
-and rock leave of error, and the later the answer comes; beyond half a second or so little is left to gain.
-For [config/drilling.toml](../config/drilling.toml):"""
+and rock leave of error, and the later the answer comes; beyond some tenths of a second little is left to
+gain, until the wave has run the string once more. For
+[config/drilling.toml](../config/drilling.toml):"""
 
 FIELD = """
 ## Against a real well
@@ -92,7 +93,8 @@ surface torque of steady rotation. The bit's true torque is zero, so the mean to
 error. A *tare* takes off what the wall friction is wrong by: the mean confirmed torque of the record's first
 third ({third:.0f} s), while the bit is confirmed to turn faster than {turning:.0f} rpm. What is left is the
 mean over the other two thirds. Where the sensor is told that the bit is off bottom, it takes
-a tare of its own, and corrects the wall friction by what the last column says.
+a tare of its own, and corrects the wall friction by what the last column says. Here that does harm: it
+begins while the string still winds up and the bit hardly turns.
 
 | told | answer | midpoint error, rpm | correlation | mean torque from 20 s, kN·m \
 | mean of the last two thirds, kN·m | the same after the tare, kN·m | friction corrected |

@@ -69,6 +69,10 @@ class Gains(NamedTuple):
     """Frequency up to which at least half of the rock's torque is told, Hz, shape (C,)."""
 
 
+MIXED = ("state", "variance", "unforeseen")
+"""Whose rows hold speeds beside torques: each is rounded by the size of its own kind."""
+
+
 class Plant(NamedTuple):
     """What gains are for; `steps` internal steps a tick, inertias as 2 J / Δt of a step (trapezoid rule)."""
 
