@@ -32,7 +32,6 @@ class Offline:
     def __init__(self, rig: Rig) -> None:
         self.intake = Intake(rig)
         self._estimator = Estimator(rig)
-        self._between = round(EVERY_S * rig.loop.rate)
 
     @property
     def tuning(self) -> NDArray[np.float64]:
@@ -43,20 +42,11 @@ class Offline:
         """Yield the estimates table of `contracts` in chunks of columns, one row a tick."""
         inputs = self._inputs(samples)
         while chunk := list(islice(inputs, CHUNK)):
-            yield from map(self._run, self._unbroken(chunk))
+            yield from map(self._run, _unbroken(chunk))
 
     def _inputs(self, samples: Iterable[tuple[str, Sample]]) -> Iterator[Input]:
         for topic, sample in samples:
             yield from self.intake.take(topic, sample)
-
-    def _unbroken(self, inputs: list[Input]) -> Iterator[list[Input]]:
-        """Split where the grid was laid anew, and where self-tuning may change how late answers are."""
-        start = 0
-        for at in range(1, len(inputs)):
-            if inputs[at].number % self._between == 0:
-                yield inputs[start:at]
-                start = at
-        yield inputs[start:]
 
     def _run(self, inputs: list[Input]) -> Mapping[str, NDArray[np.generic]]:
         if inputs[0].number == 0:

@@ -69,10 +69,6 @@ class Gains(NamedTuple):
     """Frequency up to which at least half of the rock's torque is told, Hz, shape (C,)."""
 
 
-MIXED = ("state", "variance", "unforeseen")
-"""Whose rows hold speeds beside torques: each is rounded by the size of its own kind."""
-
-
 class Plant(NamedTuple):
     """What gains are for; `steps` internal steps a tick, inertias as 2 J / Δt of a step (trapezoid rule)."""
 
@@ -296,7 +292,7 @@ def _strike(
     waves: Floats,
     told: Floats,
 ) -> None:
-    """Answers of a string at rest to 1 N·m of rock that fades, or to `pulls` of the motor, N·m at each step."""
+    """Answers of a string at rest to 1 N·m of rock that fades, or to the motor's `pulls`, N·m at each step."""
     ring = rings[0]
     mask = ring.shape[1] - 1
     speeds = np.zeros(line.impedance.shape[0] + 1)

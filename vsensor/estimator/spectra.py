@@ -33,12 +33,12 @@ def half_told(share: Floats, rate: float) -> float:
     return first * rate / (2 * (len(share) - 1))
 
 
-def rounded(column: Floats, axis: int) -> Floats:
-    """Each number to 30 bits of the greatest along an axis.
+def rounded(column: Floats, *, by_itself: bool = False) -> Floats:
+    """Each row to 30 bits of its greatest number, or each number to 30 bits of itself.
 
     The last bits of transforms and logarithms differ between processors; a session must come out the
     same on each.
     """
-    greatest = np.abs(column).max(axis=axis, keepdims=True)
+    greatest = np.abs(column) if by_itself else np.abs(column).max(axis=-1, keepdims=True)
     grid = np.ldexp(1.0, np.frexp(greatest)[1] - 30)
     return np.asarray(np.rint(column / grid) * grid, np.float64)

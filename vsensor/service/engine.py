@@ -79,21 +79,19 @@ class Engine:
         self._newest = tick.number % self.recent.shape[1]
         bit = values[CONFIRMED + SPEED], values[CONFIRMED + TORQUE]
         self.recent[:, self._newest] = *bit, *(self.estimator.top() if self._warm else (math.nan, math.nan))
-        estimate = _estimate(tick, values, Reason(reasons))
+        return self._estimate(tick, values, Reason(reasons))
+
+    def _estimate(self, tick: Tick, values: Floats, reasons: Reason) -> Estimate:
+        estimate = Estimate(number=tick.number, time_ns=tick.time_ns, reasons=reasons)
+        estimate.quality = QualityMessage.ValueType(verdict(reasons))
+        for name, at in _FIELDS:
+            if not math.isnan(value := float(values[at])):
+                setattr(estimate, name, value)
         if estimate.HasField("confirmed_bit_speed_rad_s"):
             estimate.confirmed_time_ns = tick.time_ns - round(self.estimator.confirmed_delay * NS)
         if estimate.HasField("forecast_bit_speed_rad_s"):
             estimate.forecast_time_ns = tick.time_ns + round(self.estimator.forecast_horizon * NS)
         return estimate
-
-
-def _estimate(tick: Tick, values: Floats, reasons: Reason) -> Estimate:
-    estimate = Estimate(number=tick.number, time_ns=tick.time_ns, reasons=reasons)
-    estimate.quality = QualityMessage.ValueType(verdict(reasons))
-    for name, at in _FIELDS:
-        if not math.isnan(value := float(values[at])):
-            setattr(estimate, name, value)
-    return estimate
 
 
 def tick_of(given: Input) -> Tick:
