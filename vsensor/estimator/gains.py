@@ -29,7 +29,7 @@ ROCK_LEVELS: Floats = np.ldexp(25.0, np.arange(9))
 """Standard deviations of the rock's torque, N·m, for which gains are kept ready: 25 N·m to 6.4 kN·m."""
 ROCK_MEMORY_S = 0.3
 """Correlation time of the rock's torque: with 0.1 or 1 s instead, the answers are hardly worse."""
-MEMORY_S = 20.0
+MEMORY_S = 30.0
 """The string of the design forgets within so long: one that loses little would ring for minutes."""
 HORIZON_S = 4 * MEMORY_S
 LEAST_SPEED_NOISE = 1e-4
@@ -292,7 +292,7 @@ def _strike(
     waves: Floats,
     told: Floats,
 ) -> None:
-    """Answers of a string at rest to 1 N·m of rock that fades, or to the motor's `pulls`, N·m at each step."""
+    """Answers of a string at rest to 1 N·m of rock that fades, or to the motor's `pulls`, N·m a step."""
     ring = rings[0]
     mask = ring.shape[1] - 1
     speeds = np.zeros(line.impedance.shape[0] + 1)

@@ -37,8 +37,8 @@ STICK = 16
 COLUMNS = 17
 
 NOW_KIND, FORECAST_KIND = range(2)
-TRUSTED = 9.0
-"""A prediction that misses by less than so many variances, three deviations, misses by the rock alone."""
+TRUSTED = 6.25
+"""A prediction that misses by less than so many variances, 2.5 deviations, misses by the rock alone."""
 OFF_BOTTOM = 1 << 16
 """Flag of an input: the bit is off bottom. Not a reason to doubt anything."""
 LOST = 1e4

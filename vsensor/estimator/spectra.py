@@ -34,11 +34,11 @@ def half_told(share: Floats, rate: float) -> float:
 
 
 def rounded(column: Floats, *, by_itself: bool = False) -> Floats:
-    """Each row to 30 bits of its greatest number, or each number to 30 bits of itself.
+    """Each row to 26 bits of its greatest number, or each number to 26 bits of itself.
 
     The last bits of transforms and logarithms differ between processors; a session must come out the
     same on each.
     """
     greatest = np.abs(column) if by_itself else np.abs(column).max(axis=-1, keepdims=True)
-    grid = np.ldexp(1.0, np.frexp(greatest)[1] - 30)
+    grid = np.ldexp(1.0, np.frexp(greatest)[1] - 26)
     return np.asarray(np.rint(column / grid) * grid, np.float64)

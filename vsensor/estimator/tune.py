@@ -33,8 +33,8 @@ MEMORY_S = 300.0
 """Time over which the record is forgotten."""
 WORTH = 0.05
 """The model is not the string: what innovations tell of a parameter counts for a twentieth."""
-SETTLED_S = 30.0
-"""Not before the load law was learned for so long: its errors would be laid to the string."""
+SETTLED_S = 60.0
+"""Not before the load law was learned for as long as it remembers: its errors would be laid to the string."""
 TARE_S = 30.0
 """Time over which a tare is forgotten."""
 APART_S = 1.0
