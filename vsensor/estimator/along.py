@@ -1,4 +1,4 @@
-"""Torque and speed all along the string at one and the same moment, by measurement alone.
+"""Torque and speed all along the string at one and the same moment, that of the confirmed answer.
 
 Slanted time sees each depth one travel time late: at step k as it was at k − θ. To see all depths as
 they were at one time c, a section whose top is θ down is looked up x (in time) below its top by what

@@ -22,8 +22,8 @@ STRIBECK_SPEEDS = np.array([0.2 * 25.0 ** (i / 8) for i in range(9)])
 """Candidates, rad/s: 2 to 48 rpm, each half as fast again as the one before."""
 
 SLIDING = 1.5
-"""Above this speed (rad/s) the bit surely slides: rest is confirmed with a noise of 0.1 to 0.2 rad/s, and
-with the smoother's ripple where it begins and ends, some 4 % of the speed before."""
+"""Above this speed (rad/s) the bit surely slides: it is confirmed with a deviation of 0.1 to 0.2 rad/s, and
+where it stops or starts the gains, those of a bit that slides, leave some more."""
 STICK_S = 0.3
 """A stop of so long is a stick, shorter ones are turning points."""
 STICK_WEIGHT_S = 1.0

@@ -1,4 +1,4 @@
-"""The waves in the string: down from the top by measurement, or up from the bit by a load law.
+"""The waves in the string: up from the bit by a load law, down from the top by what turns it.
 
 Everything runs in slanted time: at internal step k the junction at depth d is seen at the time
 k − θ(d), one travel time late. A wave that leaves a section's top at step k then left its bottom

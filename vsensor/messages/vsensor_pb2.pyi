@@ -202,7 +202,7 @@ Global___Tick: _TypeAlias = Tick  # noqa: Y015
 
 @_typing.final
 class Estimate(_message.Message):
-    """The bit: confirmed by measurement alone, now, and foretold, each with its time and deviation."""
+    """The bit: confirmed by all that was measured since, now, and foretold, each with its time and deviation."""
 
     DESCRIPTOR: _descriptor.Descriptor
 
@@ -748,7 +748,7 @@ class Status(_message.Message):
     rock_std_nm: _builtins.float
     """standard deviation of the bit's torque about the load law"""
     bandwidth_hz: _builtins.float
-    """up to here at least half of that is told by measurement"""
+    """up to here at least half of that is told, beyond it is guessed by the law"""
     sticks_foretold: _builtins.int
     """Sticks that were foretold and came, came unannounced, and were foretold in vain; mean time of warning."""
     sticks_missed: _builtins.int
