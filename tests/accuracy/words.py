@@ -56,7 +56,7 @@ share is of the range from 40 s on). *Two lumps* is the yardstick as late as our
 the same way, tuned by the truth as above. Surface speed cannot be configured wrongly.
 
 The last three columns are what the sensor had corrected of itself by the end of the record, `[tuning]` as it
-is by default: it begins after half a minute. Right would be −1.5% of the delay for G −3 %, −9.1% of the
+is by default: it begins after a minute. Right would be −1.5% of the delay for G −3 %, −9.1% of the
 inertia for +10 %, +43% of the friction for −30 %, and nothing where nothing is wrong. Friction it corrects
 only off bottom, and only where it is told so, which it is not here."""
 
@@ -93,8 +93,8 @@ surface torque of steady rotation. The bit's true torque is zero, so the mean to
 error. A *tare* takes off what the wall friction is wrong by: the mean confirmed torque of the record's first
 third ({third:.0f} s), while the bit is confirmed to turn faster than {turning:.0f} rpm. What is left is the
 mean over the other two thirds. Where the sensor is told that the bit is off bottom, it takes
-a tare of its own, and corrects the wall friction by what the last column says. Here that does harm: it
-begins while the string still winds up and the bit hardly turns.
+a tare of its own, where the string turns steadily, and corrects the wall friction by what the last column
+says. Here the bit swings all along, and it takes none.
 
 | told | answer | midpoint error, rpm | correlation | mean torque from 20 s, kN·m \
 | mean of the last two thirds, kN·m | the same after the tare, kN·m | friction corrected |

@@ -37,6 +37,8 @@ STICK = 16
 COLUMNS = 17
 
 NOW_KIND, FORECAST_KIND = range(2)
+CHANGE_S = 0.05
+"""Over so long a prediction's change is taken."""
 TRUSTED = 6.25
 """A prediction that misses by less than so many variances, 2.5 deviations, misses by the rock alone."""
 OFF_BOTTOM = 1 << 16
@@ -269,12 +271,15 @@ def _score(model: Model, state: State) -> None:
 
 @compiled
 def _foretell(model: Model, state: State) -> None:
+    """Note what the march says, and the gains' variance, made for one level of the rock, for this rock."""
     level = state.level[0]
     restless = state.rock_square[0] / model.gains.levels[level] ** 2
+    lasting = max(1, int(CHANGE_S * model.rate * model.steps))
     for kind in range(2):
-        ahead = model.now if kind == 0 else model.forecast
-        unforeseen = model.gains.unforeseen[level, kind]
-        foretell(state.scores, kind, state.ticks[0], state.ahead, ahead, unforeseen, restless)
+        ahead = model.now if kind == NOW_KIND else model.forecast
+        for q in range(2):
+            state.unforeseen[q] = restless * model.gains.unforeseen[level, kind, q]
+        foretell(state.scores, kind, state.ticks[0], state.ahead, ahead, lasting, state.unforeseen)
 
 
 @compiled

@@ -49,18 +49,19 @@ def fresh_scores(ticks: int, rate: float) -> Scores:
 
 @compiled
 def foretell(
-    scores: Scores, kind: int, tick: int, ahead: Floats, step: int, unforeseen: Floats, restless: float
+    scores: Scores, kind: int, tick: int, ahead: Floats, step: int, lasting: int, unforeseen: Floats
 ) -> None:
     """Note what a march says of its `step`-th step, and the variance that the gains tell, (2,).
 
-    The gains were made for a rock of one level; this one's variance is `restless` times as large.
+    How fast it changes is taken over `lasting` steps: a bit that stops changes its torque at a stroke.
     """
     place = tick % scores.foretold.shape[3]
     for q in range(2):
         value = ahead[q, step - 1]
+        before = ahead[q, max(step - 1 - lasting, 0)]
         scores.foretold[kind, q, VALUE, place] = value
-        scores.foretold[kind, q, CHANGE, place] = value - ahead[q, max(step - 2, 0)]
-        scores.foretold[kind, q, EXPECTED, place] = restless * unforeseen[q]
+        scores.foretold[kind, q, CHANGE, place] = (value - before) / lasting
+        scores.foretold[kind, q, EXPECTED, place] = unforeseen[q]
 
 
 @compiled

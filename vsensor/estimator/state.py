@@ -123,6 +123,8 @@ class State(NamedTuple):
     """Room for the march: each junction's speed,"""
     ahead: Floats
     """and the bit's speed and torque at each of its steps, shape (2, steps)."""
+    unforeseen: Floats
+    """Room for the variances of a prediction, shape (2,)."""
 
 
 class Strand(NamedTuple):
@@ -193,6 +195,7 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
         tuning=fresh_tuning(settings),
         marching=np.zeros(sections + 1),
         ahead=np.zeros((2, ahead)),
+        unforeseen=np.zeros(2),
     )
 
 
