@@ -8,6 +8,9 @@ import pytest
 from tests.cases import Columns, estimated, folder, midpoints, reference_rig, table
 from vsensor.config import load
 from vsensor.estimator.sections import Floats
+from vsensor.service.engine import Engine
+from vsensor.service.sticks import Sticks
+from vsensor.tables import read_surface, surface_samples
 
 
 @pytest.fixture(scope="module", params=["stick_slip", "smooth_drilling", "deviated_off_bottom"])
@@ -90,10 +93,9 @@ def test_the_papers_step_is_its_closed_form_away_from_the_fronts() -> None:
 def test_a_real_well_is_followed() -> None:
     """Well B, 1733 m, off bottom: the midpoint of each half second's least and greatest bit speed.
 
-    Where parts of the string stick to the wall, a hair decides which: with a millionth more torque the
-    error is another by half a rpm. So the record is heard five times, and the middle one counts. Measured
-    are 12.7 to 14.1 rpm (middle 13.5) and r 0.982 to 0.985 (middle 0.9835). The aims, 11 rpm and 0.985,
-    are not reached yet.
+    Where parts of the string stick to the wall a hair may decide which, so the record is heard five times,
+    its torque changed by up to a thousandth, and the middle one counts. Measured are 11.8 rpm and r 0.9853;
+    the aim of 11 rpm is not reached yet.
     """
     field = folder("VSENSOR_FIELD_DATA")
     rig = load(Path(__file__).parent.parent / "config" / "well-b.toml")
@@ -105,5 +107,33 @@ def test_a_real_well_is_followed() -> None:
         when, speed = told["confirmed_time_s"][known], told["confirmed_speed_rad_s"][known]
         heard.append(midpoints(when, speed, truth))
     missed, r = np.median(heard, axis=0)
-    assert missed <= 14 * np.pi / 30
-    assert r >= 0.982
+    assert missed <= 12.5 * np.pi / 30
+    assert r >= 0.985
+
+
+def foretold(name: str) -> tuple[Sticks, float]:
+    """What was foretold of sticks over a case, and how far ahead a forecast reaches, s."""
+    cases = folder("VSENSOR_REFERENCE_DATA")
+    rig = reference_rig(cases / f"{name}.json")
+    engine, sticks = Engine(rig), Sticks(rig)
+    for topic, sample in surface_samples(read_surface(cases / f"{name}_surface.csv")):
+        for _, estimate in engine.take(topic, sample):
+            sticks.see(estimate)
+    return sticks, engine.estimator.forecast_horizon
+
+
+def test_every_stick_is_foretold_four_fifths_of_the_delay_ahead() -> None:
+    """Fourteen come; of the first ones the law is not known yet, and three would be forgiven."""
+    sticks, horizon = foretold("stick_slip")
+    assert sticks.foretold >= 11
+    assert sticks.missed <= 3
+    assert sticks.false == 0
+    assert sticks.lead_s >= 0.8 * horizon
+
+
+@pytest.mark.parametrize("name", ["smooth_drilling", "deviated_off_bottom"])
+def test_no_stick_is_foretold_in_vain(name: str) -> None:
+    """In the lateral one comes as foretold, while the string still breaks loose."""
+    sticks, _ = foretold(name)
+    assert sticks.false == 0
+    assert sticks.foretold <= 1
