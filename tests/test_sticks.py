@@ -83,3 +83,10 @@ def test_what_was_announced_before_a_restart_is_not_counted() -> None:
     feed.seen.forget()
     feed.seen.see(Estimate(time_ns=9 * NS, confirmed_time_ns=8 * NS, confirmed_bit_speed_rad_s=9.0))
     assert (feed.seen.foretold, feed.seen.missed, feed.seen.false) == (0, 0, 0)
+
+
+def test_a_bit_that_has_not_turned_yet_does_not_stick() -> None:
+    sticks = Sticks(SMALL)
+    for k in range(300):
+        sticks.see(Estimate(time_ns=k, confirmed_time_ns=k, confirmed_bit_speed_rad_s=0.0))
+    assert sticks.missed == 0

@@ -33,6 +33,7 @@ class Sticks:
         self._pending: list[Announcement] = []
         self._agreeing = 0
         self._resting = 0
+        self._turned = False
         self._lead_ns = 0
         self.foretold = 0
         """Sticks that came as foretold;"""
@@ -50,6 +51,7 @@ class Sticks:
         """Drop what is announced, uncounted: the input began anew."""
         self._pending.clear()
         self._agreeing = self._resting = 0
+        self._turned = False
 
     def see(self, estimate: Estimate) -> Announcement | None:
         """Look at one tick's estimate; the announcement of a stick that has just become due."""
@@ -74,7 +76,10 @@ class Sticks:
     def _hold_against(self, confirmed_ns: int, speed: float) -> None:
         """Count a stick that is confirmed by now, and those that should have been."""
         self._resting = self._resting + 1 if speed < STUCK_SPEED else 0
-        if self._resting == self._lasting:
+        self._turned |= self._resting == 0
+        # A bit that has not turned yet does not stick, it waits.
+        if self._resting == self._lasting and self._turned:
+            self._turned = False
             self._came(confirmed_ns - LASTING_NS)
         overdue = confirmed_ns - LASTING_NS - TOLERANCE_NS
         still = [announced for announced in self._pending if announced.expected_ns >= overdue]
