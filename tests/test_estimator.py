@@ -246,3 +246,21 @@ def test_a_source_that_is_never_more_than_uncertain_is_told_of_now_all_the_same(
     told = np.isfinite(answers.values[:, :STICK])
     assert np.isfinite(out.values[:, :STICK][told]).all()
     assert {verdict(Reason(int(r))) for r in out.reasons[told.any(axis=1)]} == {Quality.UNCERTAIN}
+
+
+def test_the_forecast_reaches_as_far_as_asked_and_no_further_than_the_waves() -> None:
+    full = Estimator(DRILLING).forecast_horizon
+    for asked, reached in ((0.3, 0.3), (99.0, full)):
+        some = DRILLING.model_copy(
+            update={"estimator": DRILLING.estimator.model_copy(update={"horizon": asked})}
+        )
+        assert Estimator(some).forecast_horizon == pytest.approx(reached, abs=0.005)
+
+
+def test_while_the_wall_rests_the_torque_below_it_is_only_bounded() -> None:
+    """A string wound up and held: its wall may bear any share of the torque up to its static friction."""
+    rough = PIPE.model_copy(update={"coulomb_friction": 2.0, "static_friction": 3.0})
+    bit = {"inertia": 50.0, "kinetic_torque": 9e3}
+    held = Estimator(rig(rough, COLLAR, bit=bit, top_drive=DRIVE))
+    told = held.run(np.full(1500, 2e3), np.zeros(1500)).values[-1]
+    assert told[CONFIRMED + TORQUE_STD] == pytest.approx(1500 * 3.0 / math.sqrt(3), rel=0.05)

@@ -121,6 +121,7 @@ class EstimatorSettings(Table):
     """What is traded: lag against noise, section length against work."""
 
     lag: PositiveTime = Field(default=0.5, le=10, description='a time up to 10 s, such as "0.5 s"')
+    horizon: PositiveTime | None = Field(default=None, description='a time such as "0.8 s"')
     section_length: Length = 300.0
     learn: bool = True
     severity_window: PositiveTime = 20.0

@@ -307,6 +307,9 @@ def _model(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
     lag = max(1, round(rig.estimator.lag * rate))
     behind = math.ceil(plant.late)
     round_trip = int(line.round_trip.sum())
+    now = behind * steps + round_trip // 2
+    asked = rig.estimator.horizon
+    horizon = round_trip if asked is None else max(1, round(asked * rate * steps))
     model = Model(
         line=line,
         impedances=line.impedance[None],
@@ -314,7 +317,7 @@ def _model(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
         drive_rates=np.array([plant.drive_rate]),
         off=np.zeros(2),
         shift=0,
-        gains=gains(plant, at, lag, (behind + round_trip / 2 / steps, round_trip / steps)),
+        gains=gains(plant, at, lag, (now / steps, min(max(now, round_trip), now + horizon) / steps)),
         bit_rate=plant.bit_rate,
         passed=passed,
         turns=drive.gear_ratio,
@@ -326,6 +329,7 @@ def _model(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
         lag=lag,
         now=0,
         forecast=0,
+        horizon=horizon,
         span=behind + lag + -(-ROUND_TRIPS * round_trip // steps),
         fade=rock_fade(rate * steps),
         learns=rig.estimator.learn,
@@ -337,4 +341,5 @@ def _timed(model: Model) -> Model:
     """The model with its shadows, and the times that follow from its line."""
     round_trip = int(model.line.round_trip.sum())
     now = model.behind * model.steps + round_trip // 2
-    return shadowed(model._replace(now=now, forecast=max(now, round_trip)))
+    end = min(max(now, round_trip), now + model.horizon)
+    return shadowed(model._replace(now=now, forecast=end))

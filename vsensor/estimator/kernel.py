@@ -242,6 +242,9 @@ def _doubt(model: Model, state: State, quantity: int, step: int) -> float:
         top = step - (model.now - model.behind * model.steps)
         wall = wall_torque(model.line, state.told[0, TOLD_TOP_SPEED, top & mask])
         by_parameters += variance[FRICTION] * wall * wall
+        # Parts of the wall that rest hold anything up to their static friction: all of it is equally likely.
+        held = state.held[(state.ticks[0] - model.lag) % state.held.shape[0]]
+        by_parameters += held * held / 3.0
     return float(by_noise + by_parameters)
 
 
