@@ -11,7 +11,7 @@ from vsensor.bench.rounds import alternate
 from vsensor.bench.table import Cell, Table
 from vsensor.bench.well import deep_well
 from vsensor.config import Rig
-from vsensor.estimator import kernel
+from vsensor.estimator import kernel, study
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.observe import note_rest, observe, settle
@@ -125,10 +125,10 @@ def _run(model: Model, state: State, torque: Floats, speed: Floats, part: int, t
         if lasting:
             lose_sight(state.learned)
         else:
-            kernel._learn(model, state)
+            study.study_rock(model, state)
             if part == TUNED and state.ticks[0] > SETTLED_S * model.rate:
-                kernel._tune(model, state)
-        at = kernel._confirmed_step(model, state) & (state.told.shape[2] - 1)
+                study.study_string(model, state)
+        at = study.confirmed_step(model, state) & (state.told.shape[2] - 1)
         for q in range(2):
             told[k, q] = state.told[0, q, at]
         state.ticks[0] += 1

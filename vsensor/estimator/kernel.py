@@ -6,24 +6,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vsensor.estimator.ahead import predict, stick_ahead
-from vsensor.estimator.gains import TOLD_BIT_SPEED, TOLD_BIT_TORQUE, TOLD_TOP_SPEED
-from vsensor.estimator.learn import learn, lose_sight
+from vsensor.estimator.gains import TOLD_BIT_TORQUE, TOLD_TOP_SPEED
+from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.observe import note_rest, observe, settle
-from vsensor.estimator.rock import weigh_rock
-from vsensor.estimator.score import EXPECTED, VALUE, foretell, score, variance
+from vsensor.estimator.score import NOW as NOW_KIND
+from vsensor.estimator.score import VALUE, foretell, score, variance
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import FLAGS, Model, State
+from vsensor.estimator.study import confirmed_step, foretold_for, study_rock, study_string, study_wall
 from vsensor.estimator.tune import (
     DELAY,
     FRICTION,
     INERTIA,
     SETTLED_S,
-    SHADOWED,
     STRINGS,
     wall_torque,
-    weigh_tare,
 )
-from vsensor.estimator.tune import MEMORY_S as TUNING_MEMORY_S
 from vsensor.jit import compiled
 from vsensor.quality import Reason
 
@@ -36,23 +34,12 @@ STICK = 16
 """Time until the bit is foretold to stick, s; NaN where it is not."""
 COLUMNS = 17
 
-NOW_KIND, FORECAST_KIND = range(2)
 CHANGE_S = 0.05
 """Over so long a prediction's change is taken."""
-TRUSTED = 6.25
-"""A prediction that misses by less than so many variances, 2.5 deviations, misses by the rock alone."""
 OFF_BOTTOM = 1 << 16
 """Flag of an input: the bit is off bottom. Not a reason to doubt anything."""
 LOST = 1e4
 """Innovations a hundred times larger than expected: the model string has nothing to do with the real one."""
-LEAST_SURPRISE = 0.05
-"""Innovations so much smaller than expected are none: the string stands still."""
-TURNING = 0.5
-"""Off bottom, wall friction is told while the string turns faster than this, rad/s,"""
-STEADY = 0.2
-"""and its bit as fast as its top but for this share,"""
-STEADY_S = 5.0
-"""for so long: all of the wall rubs then, and nothing speeds up."""
 
 _WARMING_UP = int(Reason.WARMING_UP)
 _STALE_TORQUE = int(Reason.STALE_TORQUE)
@@ -90,11 +77,11 @@ def advance(
         if out_reasons[k]:
             lose_sight(state.learned)
         elif state.off_bottom[0] > 0:
-            _tare(model, state)
+            study_wall(model, state)
         else:
-            _learn(model, state)
+            study_rock(model, state)
         if not out_reasons[k] and (state.ticks[0] > SETTLED_S * model.rate or not model.learns):
-            _tune(model, state)
+            study_string(model, state)
         predict(model, state)
         _foretell(model, state)
         _answer(model, state, out_reasons[k], out[k])
@@ -164,68 +151,6 @@ def _lasting(model: Model, state: State, flags: int) -> int:
 
 
 @compiled
-def _confirmed_step(model: Model, state: State) -> int:
-    """The internal step whose answer no later innovation corrects."""
-    return int((state.ticks[0] - model.lag) * model.steps + model.steps - 1)
-
-
-@compiled
-def _learn(model: Model, state: State) -> None:
-    tick, step = _foretold_for(model, state, NOW_KIND)
-    at = step & (state.told.shape[2] - 1)
-    speed, torque = state.told[0, TOLD_BIT_SPEED, at], state.told[0, TOLD_BIT_TORQUE, at]
-    weigh_rock(model, state, speed, torque)
-    if model.learns:
-        held = state.held[(state.ticks[0] - model.lag) % state.held.shape[0]]
-        learn(state.learned, held, _unmoved(state, tick, speed), torque, model.rate, state.ticks[0])
-
-
-@compiled
-def _unmoved(state: State, tick: int, speed: float) -> float:
-    """The speed that the bit would have had but for the rock's own whims, as foretold before they came.
-
-    What slows the bit raises its torque: of pairs moved by the rock the law would look flatter than it is
-    (Berkson 1950 has the remedy). Where a prediction misses by more than the rock could, it is not used.
-    """
-    foretold = state.scores.foretold[0, 0, :, tick % state.scores.foretold.shape[3]]
-    miss = foretold[VALUE] - speed
-    if miss * miss < TRUSTED * foretold[EXPECTED] and foretold[VALUE] * speed > 0:
-        return float(foretold[VALUE])
-    return speed
-
-
-@compiled
-def _tune(model: Model, state: State) -> None:
-    """Add up how well model and shadows foresaw this tick's speed."""
-    misfit = state.tuning.misfit
-    expected = model.gains.innovation[state.level[0]] * max(LEAST_SURPRISE, state.surprise[0])
-    keep = 1.0 - 1.0 / (TUNING_MEMORY_S * model.rate)
-    for p in range(SHADOWED):
-        misfit[p, 0] = keep * misfit[p, 0] + state.innovation[0] ** 2 / expected
-        for way in range(2):
-            miss = state.innovation[1 + 2 * p + way]
-            misfit[p, 1 + way] = keep * misfit[p, 1 + way] + miss * miss / expected
-
-
-@compiled
-def _tare(model: Model, state: State) -> None:
-    """Learn the wall's friction from a bit that has long been off bottom: so long as a confirmation takes."""
-    lose_sight(state.learned)
-    if (state.off_bottom[0] - model.lag) * model.steps < model.now:
-        return
-    step = _confirmed_step(model, state)
-    mask = state.told.shape[2] - 1
-    speed, torque = state.told[0, TOLD_BIT_SPEED, step & mask], state.told[0, TOLD_BIT_TORQUE, step & mask]
-    weigh_rock(model, state, speed, torque)
-    top = state.told[0, TOLD_TOP_SPEED, (step - (model.now - model.behind * model.steps)) & mask]
-    steady = abs(top) > TURNING and abs(speed - top) < STEADY * abs(top)
-    state.tuning.steady[0] = state.tuning.steady[0] + 1 if steady else 0
-    if state.tuning.steady[0] > STEADY_S * model.rate:
-        doubt = model.gains.variance[state.level[0], TOLD_BIT_TORQUE] * max(1.0, state.surprise[0])
-        weigh_tare(state.tuning, wall_torque(model.line, speed), torque, doubt, model.rate)
-
-
-@compiled
 def _doubt(model: Model, state: State, quantity: int, step: int) -> float:
     """Variance of a confirmed answer: by noise and rock, and by what is uncertain of the parameters."""
     mask = state.told.shape[2] - 1
@@ -249,21 +174,12 @@ def _doubt(model: Model, state: State, quantity: int, step: int) -> float:
 
 
 @compiled
-def _foretold_for(model: Model, state: State, kind: int) -> tuple[int, int]:
-    """The tick whose prediction has just been confirmed, and the internal step that it was for."""
-    ahead = model.now if kind == NOW_KIND else model.forecast
-    # Only one step of a tick was foretold from the last step of a tick.
-    tick = (_confirmed_step(model, state) - ahead + 1) // model.steps - 1
-    return tick, tick * model.steps + model.steps - 1 + ahead
-
-
-@compiled
 def _score(model: Model, state: State) -> None:
     """Hold what was foretold against what is confirmed by now."""
     mask = state.told.shape[2] - 1
     width = state.scores.foretold.shape[3]
     for kind in range(2):
-        tick, step = _foretold_for(model, state, kind)
+        tick, step = foretold_for(model, state, kind)
         # Nothing was foretold while warming up, nor of a string that was made longer since.
         if tick < model.span or math.isnan(state.scores.foretold[kind, 0, VALUE, tick % width]):
             continue
@@ -293,7 +209,7 @@ def _answer(model: Model, state: State, reasons: int, out: Floats) -> None:
         return
     out[STICK] = stick_ahead(model, state)
     by_law = reasons & _STALE != 0
-    confirmed = _confirmed_step(model, state)
+    confirmed = confirmed_step(model, state)
     place = state.ticks[0] % state.scores.foretold.shape[3]
     for q in range(2):
         doubt = _doubt(model, state, q, confirmed)
@@ -314,7 +230,7 @@ def _answer(model: Model, state: State, reasons: int, out: Floats) -> None:
 @compiled
 def _answer_top(model: Model, state: State, out: Floats) -> None:
     """The string's top at the time that is confirmed of the bit, and what noise leaves of doubt."""
-    step = _confirmed_step(model, state) - (model.now - model.behind * model.steps)
+    step = confirmed_step(model, state) - (model.now - model.behind * model.steps)
     at = step & (state.told.shape[2] - 1)
     for q in range(2):
         variance = model.gains.variance[state.level[0], 2 + q] * max(1.0, state.surprise[0])

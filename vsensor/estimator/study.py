@@ -1,0 +1,92 @@
+"""What each confirmed answer teaches: of the rock, of the string, of the wall."""
+
+from vsensor.estimator.gains import TOLD_BIT_SPEED, TOLD_BIT_TORQUE, TOLD_TOP_SPEED
+from vsensor.estimator.learn import learn, lose_sight
+from vsensor.estimator.rock import weigh_rock
+from vsensor.estimator.score import EXPECTED, NOW, VALUE
+from vsensor.estimator.state import Model, State
+from vsensor.estimator.tune import MEMORY_S, SHADOWED, wall_torque, weigh_tare
+from vsensor.jit import compiled
+
+TRUSTED = 6.25
+"""A prediction that misses by less than so many variances, 2.5 deviations, misses by the rock alone."""
+LEAST_SURPRISE = 0.05
+"""Innovations so much smaller than expected are none: the string stands still."""
+TURNING = 0.5
+"""Off bottom, wall friction is told while the string turns faster than this, rad/s,"""
+STEADY = 0.2
+"""and its bit as fast as its top but for this share,"""
+STEADY_S = 5.0
+"""for so long: all of the wall rubs then, and nothing speeds up."""
+
+
+@compiled
+def confirmed_step(model: Model, state: State) -> int:
+    """The internal step whose answer no later innovation corrects."""
+    return int((state.ticks[0] - model.lag) * model.steps + model.steps - 1)
+
+
+@compiled
+def foretold_for(model: Model, state: State, kind: int) -> tuple[int, int]:
+    """The tick whose prediction has just been confirmed, and the internal step that it was for."""
+    ahead = model.now if kind == NOW else model.forecast
+    # Only one step of a tick was foretold from the last step of a tick.
+    tick = (confirmed_step(model, state) - ahead + 1) // model.steps - 1
+    return tick, tick * model.steps + model.steps - 1 + ahead
+
+
+@compiled
+def study_rock(model: Model, state: State) -> None:
+    """Learn of rock and load law from what is confirmed of a bit on bottom."""
+    tick, step = foretold_for(model, state, NOW)
+    at = step & (state.told.shape[2] - 1)
+    speed, torque = state.told[0, TOLD_BIT_SPEED, at], state.told[0, TOLD_BIT_TORQUE, at]
+    weigh_rock(model, state, speed, torque)
+    if model.learns:
+        held = state.held[(state.ticks[0] - model.lag) % state.held.shape[0]]
+        learn(state.learned, held, _unmoved(state, tick, speed), torque, model.rate, state.ticks[0])
+
+
+@compiled
+def _unmoved(state: State, tick: int, speed: float) -> float:
+    """The speed that the bit would have had but for the rock's own whims, as foretold before they came.
+
+    What slows the bit raises its torque: of pairs moved by the rock the law would look flatter than it is
+    (Berkson 1950 has the remedy). Where a prediction misses by more than the rock could, it is not used.
+    """
+    foretold = state.scores.foretold[0, 0, :, tick % state.scores.foretold.shape[3]]
+    miss = foretold[VALUE] - speed
+    if miss * miss < TRUSTED * foretold[EXPECTED] and foretold[VALUE] * speed > 0:
+        return float(foretold[VALUE])
+    return speed
+
+
+@compiled
+def study_string(model: Model, state: State) -> None:
+    """Add up how well model and shadows foresaw this tick's speed."""
+    misfit = state.tuning.misfit
+    expected = model.gains.innovation[state.level[0]] * max(LEAST_SURPRISE, state.surprise[0])
+    keep = 1.0 - 1.0 / (MEMORY_S * model.rate)
+    for p in range(SHADOWED):
+        misfit[p, 0] = keep * misfit[p, 0] + state.innovation[0] ** 2 / expected
+        for way in range(2):
+            miss = state.innovation[1 + 2 * p + way]
+            misfit[p, 1 + way] = keep * misfit[p, 1 + way] + miss * miss / expected
+
+
+@compiled
+def study_wall(model: Model, state: State) -> None:
+    """Learn the wall's friction from a bit that has long been off bottom: so long as a confirmation takes."""
+    lose_sight(state.learned)
+    if (state.off_bottom[0] - model.lag) * model.steps < model.now:
+        return
+    step = confirmed_step(model, state)
+    mask = state.told.shape[2] - 1
+    speed, torque = state.told[0, TOLD_BIT_SPEED, step & mask], state.told[0, TOLD_BIT_TORQUE, step & mask]
+    weigh_rock(model, state, speed, torque)
+    top = state.told[0, TOLD_TOP_SPEED, (step - (model.now - model.behind * model.steps)) & mask]
+    steady = abs(top) > TURNING and abs(speed - top) < STEADY * abs(top)
+    state.tuning.steady[0] = state.tuning.steady[0] + 1 if steady else 0
+    if state.tuning.steady[0] > STEADY_S * model.rate:
+        doubt = model.gains.variance[state.level[0], TOLD_BIT_TORQUE] * max(1.0, state.surprise[0])
+        weigh_tare(state.tuning, wall_torque(model.line, speed), torque, doubt, model.rate)
