@@ -119,11 +119,11 @@ def test_a_clock_that_was_set_begins_anew_but_what_was_learned_stays() -> None:
 
 def test_answers_are_timed_by_the_delay_as_corrected() -> None:
     """A string that is stiffer than configured; live as offline."""
-    soft = SHORT.string[0].model_copy(update={"shear_modulus": 0.9 * SHORT.string[0].shear_modulus})
+    soft = SHORT.string[0].model_copy(update={"shear_modulus": 0.96 * SHORT.string[0].shear_modulus})
     source = SimulatedRig(SHORT, PLANS[Scenario.STICK_SLIP], 1)
-    feed = samples([source.sample() for _ in range(60 * RATE)])
+    feed = samples([source.sample() for _ in range(120 * RATE)])
     wrong = SHORT.model_copy(
-        update={"string": (soft,), "tuning": SHORT.tuning.model_copy(update={"delay": 0.05})}
+        update={"string": (soft,), "estimator": SHORT.estimator.model_copy(update={"learn": False})}
     )
     engine = Engine(wrong)
     configured = round(engine.estimator.confirmed_delay * NS)
