@@ -1,6 +1,5 @@
 """The virtual sensor: surface torque and speed in, the bit confirmed, now and foretold out."""
 
-import math
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
@@ -9,10 +8,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from vsensor.config import Bit, Component, Rig
 from vsensor.estimator import kernel
-from vsensor.estimator.along import SPEED, Stations, along, stations
+from vsensor.estimator.along import SPEED, along, stations
 from vsensor.estimator.carry import carry
-from vsensor.estimator.gains import TOLD_BIT_SPEED, TOLD_TOP_SPEED, Gains, Plant, gains, rock_fade
+from vsensor.estimator.gains import TOLD_BIT_SPEED, TOLD_TOP_SPEED, Gains
 from vsensor.estimator.learn import lose_sight
+from vsensor.estimator.model import model_of, timed
 from vsensor.estimator.sections import Floats, Line, cut, junction_depths, steps_per_tick
 from vsensor.estimator.state import (
     Model,
@@ -21,12 +21,8 @@ from vsensor.estimator.state import (
     flat,
     fresh,
     is_learned,
-    shadowed,
 )
 from vsensor.estimator.tune import EVERY_S, INERTIA, correct, tuned
-
-ROUND_TRIPS = 2
-"""After so many the waves that were guessed at the start, those of steady rotation, are forgotten."""
 
 
 class Estimates(NamedTuple):
@@ -78,7 +74,7 @@ class Estimator:
         self.stations = stations(rig.string, line, junction_depths(*cuts))
         """Where along the string `profile` tells of it."""
         self._profile = np.empty((2, len(self.stations.depth)))
-        self._configured = _model(rig, line, self.stations, steps)
+        self._configured = model_of(rig, line, self.stations, steps)
 
     @property
     def string(self) -> tuple[Component, ...]:
@@ -287,59 +283,4 @@ class Estimator:
         value = self._state.tuning.value
         line = tuned(self._configured.line, value)
         rates = self._configured.drive_rates * (1 + float(value[INERTIA]))
-        return _timed(self._configured._replace(line=line, drive_rates=rates))
-
-
-def _model(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
-    rate, drive, measured = rig.loop.rate, rig.top_drive, rig.measurement
-    passed = drive.gear_ratio * drive.efficiency
-    plant = Plant(
-        line=line,
-        drag=rig.bit.viscous_friction,
-        bit_rate=2 * rig.bit.inertia * rate * steps,
-        drive_rate=2 * drive.inertia * rate * steps,
-        steps=steps,
-        rate=rate,
-        torque_noise=measured.torque_noise * passed,
-        speed_noise=measured.speed_noise / drive.gear_ratio,
-        late=drive.torque_lag * rate,
-    )
-    lag = max(1, round(rig.estimator.lag * rate))
-    behind = math.ceil(plant.late)
-    round_trip = int(line.round_trip.sum())
-    now = behind * steps + round_trip // 2
-    asked = rig.estimator.horizon
-    horizon = round_trip if asked is None else max(1, round(asked * rate * steps))
-    model = Model(
-        line=line,
-        impedances=line.impedance[None],
-        round_trips=line.round_trip[None],
-        drive_rates=np.array([plant.drive_rate]),
-        off=np.zeros(2),
-        shift=0,
-        gains=gains(plant, at, lag, (now / steps, min(max(now, round_trip), now + horizon) / steps)),
-        bit_rate=plant.bit_rate,
-        passed=passed,
-        turns=drive.gear_ratio,
-        limits=(measured.torque_limit / drive.gear_ratio, measured.speed_limit * drive.gear_ratio),
-        rate=rate,
-        steps=steps,
-        behind=behind,
-        late=plant.late,
-        lag=lag,
-        now=0,
-        forecast=0,
-        horizon=horizon,
-        span=behind + lag + -(-ROUND_TRIPS * round_trip // steps),
-        fade=rock_fade(rate * steps),
-        learns=rig.estimator.learn,
-    )
-    return _timed(model)
-
-
-def _timed(model: Model) -> Model:
-    """The model with its shadows, and the times that follow from its line."""
-    round_trip = int(model.line.round_trip.sum())
-    now = model.behind * model.steps + round_trip // 2
-    end = min(max(now, round_trip), now + model.horizon)
-    return shadowed(model._replace(now=now, forecast=end))
+        return timed(self._configured._replace(line=line, drive_rates=rates))

@@ -1,0 +1,70 @@
+"""From a configuration to the model that runs: the line cut, the gains worked out, the times that follow."""
+
+import math
+
+import numpy as np
+
+from vsensor.config import Rig
+from vsensor.estimator.along import Stations
+from vsensor.estimator.gains import Plant, gains, rock_fade
+from vsensor.estimator.sections import Line
+from vsensor.estimator.state import Model, shadowed
+
+ROUND_TRIPS = 2
+"""After so many the waves that were guessed at the start, those of steady rotation, are forgotten."""
+
+
+def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
+    """The model of a rig whose string was cut into `line`, `steps` internal steps in a tick."""
+    rate, drive, measured = rig.loop.rate, rig.top_drive, rig.measurement
+    passed = drive.gear_ratio * drive.efficiency
+    plant = Plant(
+        line=line,
+        drag=rig.bit.viscous_friction,
+        bit_rate=2 * rig.bit.inertia * rate * steps,
+        drive_rate=2 * drive.inertia * rate * steps,
+        steps=steps,
+        rate=rate,
+        torque_noise=measured.torque_noise * passed,
+        speed_noise=measured.speed_noise / drive.gear_ratio,
+        late=drive.torque_lag * rate,
+    )
+    lag = max(1, round(rig.estimator.lag * rate))
+    behind = math.ceil(plant.late)
+    round_trip = int(line.round_trip.sum())
+    now = behind * steps + round_trip // 2
+    asked = rig.estimator.horizon
+    horizon = round_trip if asked is None else max(1, round(asked * rate * steps))
+    model = Model(
+        line=line,
+        impedances=line.impedance[None],
+        round_trips=line.round_trip[None],
+        drive_rates=np.array([plant.drive_rate]),
+        off=np.zeros(2),
+        shift=0,
+        gains=gains(plant, at, lag, (now / steps, min(max(now, round_trip), now + horizon) / steps)),
+        bit_rate=plant.bit_rate,
+        passed=passed,
+        turns=drive.gear_ratio,
+        limits=(measured.torque_limit / drive.gear_ratio, measured.speed_limit * drive.gear_ratio),
+        rate=rate,
+        steps=steps,
+        behind=behind,
+        late=plant.late,
+        lag=lag,
+        now=0,
+        forecast=0,
+        horizon=horizon,
+        span=behind + lag + -(-ROUND_TRIPS * round_trip // steps),
+        fade=rock_fade(rate * steps),
+        learns=rig.estimator.learn,
+    )
+    return timed(model)
+
+
+def timed(model: Model) -> Model:
+    """The model with its shadows, and the times that follow from its line."""
+    round_trip = int(model.line.round_trip.sum())
+    now = model.behind * model.steps + round_trip // 2
+    end = min(max(now, round_trip), now + model.horizon)
+    return shadowed(model._replace(now=now, forecast=end))
