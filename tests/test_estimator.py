@@ -264,3 +264,22 @@ def test_while_the_wall_rests_the_torque_below_it_is_only_bounded() -> None:
     held = Estimator(rig(rough, COLLAR, bit=bit, top_drive=DRIVE))
     told = held.run(np.full(1500, 2e3), np.zeros(1500)).values[-1]
     assert told[CONFIRMED + TORQUE_STD] == pytest.approx(1500 * 3.0 / math.sqrt(3), rel=0.05)
+
+
+def test_behind_a_gear_the_string_is_the_same(answers: Estimates) -> None:
+    """A motor that turns eight times as fast, and loses a tenth of its torque in the gear."""
+    turns, efficiency = 8.0, 0.9
+    noise = DRILLING.measurement
+    geared = rig(
+        *DRILLING.string,
+        bit=BIT,
+        top_drive={**DRIVE, "gear_ratio": turns, "efficiency": efficiency},
+        measurement={
+            "torque_noise": noise.torque_noise / turns / efficiency,
+            "speed_noise": noise.speed_noise * turns,
+        },
+    )
+    out = Estimator(geared).run(column("motor_torque") / turns / efficiency, column("motor_speed") * turns)
+    np.testing.assert_array_equal(np.isnan(out.values), np.isnan(answers.values))
+    told = out.values[:2000, CONFIRMED + SPEED]
+    np.testing.assert_allclose(told, answers.values[:2000, CONFIRMED + SPEED], atol=1e-6)

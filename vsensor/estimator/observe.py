@@ -99,7 +99,9 @@ def observe(model: Model, state: State, which: int) -> None:
         correct_ends(model.gains, state.level[0], string, innovation)
         for ahead in range(model.behind + 1):
             at_sample = (place + ahead) % width
-            state.motor[which, at_sample] += model.gains.motor[state.level[0], ahead] * innovation
+            state.motor[which, at_sample] += (
+                model.gains.motor[state.level[0], ahead] * innovation / model.passed
+            )
         correct_told(model.gains.told[state.level[0]], string.told, last, innovation)
         if which == 0:
             correct_waves(model.gains.waves[state.level[0]], string.waves, last, innovation)
