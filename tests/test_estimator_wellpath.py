@@ -10,10 +10,9 @@ from hypothesis import strategies as st
 from tests.naive_well import wall_torque
 from vsensor.config import Component
 from vsensor.estimator import component, wellpath
+from vsensor.estimator.component import GRAVITY, buoyed_weight
 from vsensor.estimator.sections import cut
 from vsensor.estimator.wellpath import (
-    GRAVITY,
-    buoyed_weight,
     contact,
     direction,
     vertical_depth,

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from tests.strings import COLLAR, PIPE, strings
 from vsensor.config import Component
-from vsensor.estimator.strength import GRAVITY, Limit, hanging_weight, torsional_limit
+from vsensor.estimator.component import GRAVITY
+from vsensor.estimator.strength import Limit, hanging_weight, torsional_limit
 from vsensor.units import to_si
 
 G105 = Component(  # 5 in, 19.5 lb/ft: API RP 7G, table 2, new pipe

@@ -4,6 +4,9 @@ import math
 
 from vsensor.config import Component
 
+GRAVITY = 9.80665
+"""Standard gravity, m/s² (ISO 80000-3)."""
+
 
 def polar_moment(part: Component) -> float:
     """Second polar moment of the cross section, J = π/2 (ro⁴ − ri⁴), in m⁴."""
@@ -13,6 +16,11 @@ def polar_moment(part: Component) -> float:
 def cross_section(part: Component) -> float:
     """Area of steel in the cross section, A = π (ro² − ri²), in m²."""
     return math.pi / 4 * (part.outer_diameter**2 - part.inner_diameter**2)
+
+
+def buoyed_weight(part: Component, mud_density: float) -> float:
+    """Weight per metre in mud (kg/m³) that stands inside and outside, N/m (API RP 7G's buoyancy factor)."""
+    return (part.density - mud_density) * cross_section(part) * GRAVITY
 
 
 def wave_speed(part: Component) -> float:

@@ -7,10 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vsensor.config import Component
+from vsensor.estimator.component import buoyed_weight
 from vsensor.estimator.sections import Floats
-
-GRAVITY = 9.80665
-"""m/s² (standard gravity, ISO 80000-3)."""
 
 
 class Limit(NamedTuple):
@@ -29,7 +27,7 @@ def hanging_weight(
     drag. Below the neutral point it is negative: the string is pressed.
     """
     bounds = np.cumsum([0.0, *(part.length for part in string)])
-    weights = [(part.density - mud_density) * _section(part) * part.length * GRAVITY for part in string]
+    weights = [buoyed_weight(part, mud_density) * part.length for part in string]
     above = np.interp(depths, bounds, np.cumsum([0.0, *weights]))
     return np.asarray(sum(weights) - above - weight_on_bit)
 
@@ -55,8 +53,3 @@ def _body(part: Component, strength: float, tension: float) -> Limit:
         return Limit(strength, "torsional strength")
     left = max(0.0, 1 - (tension / part.tensile_strength) ** 2)
     return Limit(strength * math.sqrt(left), "torsional strength under tension")
-
-
-def _section(part: Component) -> float:
-    """Area of the steel, m²."""
-    return math.pi / 4 * (part.outer_diameter**2 - part.inner_diameter**2)

@@ -7,14 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vsensor.config import Component
-from vsensor.estimator import component
+from vsensor.estimator.component import buoyed_weight
 from vsensor.well import Station, Wellbore
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-GRAVITY = 9.80665
-"""Standard gravity, m/s²."""
 CELL = 1.0
 """Side forces are summed over lengths of at most so much, m: short beside the arcs of a well."""
 _GAUSS = 0.5 / 3**0.5
@@ -137,11 +135,6 @@ def contact(string: Sequence[Component], path: Path, wellbore: Wellbore) -> Cont
     across = np.array([0.0, 0.0, 1.0]) - tangent * tangent[:, 2:]
     side_force = _norm(tension[:, None] * bend + weight[part, None] * across)
     return Contact(depth, span, part, tension, side_force)
-
-
-def buoyed_weight(part: Component, mud_density: float) -> float:
-    """Weight per metre in mud that stands inside and outside, N/m."""
-    return (part.density - mud_density) * component.cross_section(part) * GRAVITY
 
 
 def _points(ends: Floats, stations: Floats) -> tuple[Floats, Floats]:
