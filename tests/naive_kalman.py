@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vsensor.estimator.gains import Plant
+from vsensor.estimator.responses import Plant
 from vsensor.estimator.sections import Floats
 
 PAST = ("bit_speed", "bit_torque", "top_speed", "top_torque")

@@ -9,7 +9,8 @@ from tests.strings import COLLAR, PIPE, rig
 from vsensor.config import Rig
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.forward import ForwardLine
-from vsensor.estimator.gains import Gains, rock_fade
+from vsensor.estimator.gains import Gains
+from vsensor.estimator.responses import rock_fade
 from vsensor.estimator.sections import Floats
 
 ALONE = {"enabled": False, "delay": 1e-6, "inertia": 1e-6, "friction": 1e-6}

@@ -12,7 +12,8 @@ from tests.naive_kalman import PAST, Columns, Steady, steady
 from tests.strings import COLLAR, PIPE
 from vsensor.config import Component
 from vsensor.estimator.along import stations
-from vsensor.estimator.gains import MEMORY_S, ROCK_LEVELS, Gains, Plant, gains, rock_fade
+from vsensor.estimator.gains import ROCK_LEVELS, Gains, gains
+from vsensor.estimator.responses import MEMORY_S, Plant, rock_fade
 from vsensor.estimator.sections import Floats, cut, junction_depths
 from vsensor.estimator.spectra import factorised
 

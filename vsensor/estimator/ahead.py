@@ -7,6 +7,9 @@ from vsensor.estimator.line import march
 from vsensor.estimator.state import BIT, Model, State
 from vsensor.jit import compiled
 
+STICK_S = 0.1
+"""A bit foretold to rest for so long sticks: shorter stops are the turning points of an oscillation."""
+
 
 @compiled
 def predict(model: Model, state: State) -> None:
@@ -27,10 +30,6 @@ def predict(model: Model, state: State) -> None:
         state.balances[0, BIT],
         state.ahead,
     )
-
-
-STICK_S = 0.1
-"""A bit foretold to rest for so long sticks: shorter stops are the turning points of an oscillation."""
 
 
 @compiled

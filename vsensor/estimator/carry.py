@@ -8,7 +8,7 @@ is looked up Δ steps earlier. What is new at the top is taken to be as the old 
 import numpy as np
 from numpy.typing import NDArray
 
-from vsensor.estimator.gains import TOLD_TOP_SPEED
+from vsensor.estimator.responses import TOLD_TOP_SPEED
 from vsensor.estimator.sections import Floats, Line
 from vsensor.estimator.state import State
 

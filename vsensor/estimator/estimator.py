@@ -10,9 +10,10 @@ from vsensor.config import Bit, Component, Rig
 from vsensor.estimator import kernel
 from vsensor.estimator.along import SPEED, along, stations
 from vsensor.estimator.carry import carry
-from vsensor.estimator.gains import TOLD_BIT_SPEED, TOLD_TOP_SPEED, Gains
+from vsensor.estimator.gains import Gains
 from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.model import model_of, timed
+from vsensor.estimator.responses import TOLD_BIT_SPEED, TOLD_TOP_SPEED
 from vsensor.estimator.sections import Floats, Line, cut, junction_depths, steps_per_tick
 from vsensor.estimator.state import (
     Model,

@@ -18,27 +18,25 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vsensor.estimator.along import Stations, keep_returned
-from vsensor.estimator.line import EVERY_JUNCTION, march, turn_top
-from vsensor.estimator.load import Load
-from vsensor.estimator.sections import Floats, Integers, Line
+from vsensor.estimator.along import Stations
+from vsensor.estimator.responses import (
+    MEMORY_S,
+    TOLD_TOP_SPEED,
+    Plant,
+    Responses,
+    responses,
+    rock_fade,
+    squares_along,
+)
+from vsensor.estimator.sections import Floats
 from vsensor.estimator.spectra import Complexes, before, factorised, half_told, rounded
-from vsensor.jit import compiled
 
 ROCK_LEVELS: Floats = np.ldexp(25.0, np.arange(9))
 """Standard deviations of the rock's torque, N·m, for which gains are kept ready: 25 N·m to 6.4 kN·m."""
-ROCK_MEMORY_S = 0.3
-"""Correlation time of the rock's torque: with 0.1 or 1 s instead, the answers are hardly worse."""
-MEMORY_S = 30.0
-"""The string of the design forgets within so long: one that loses little would ring for minutes."""
 HORIZON_S = 4 * MEMORY_S
+"""Spectra are of so long a record: half of it answers, and half keeps its end from folding back."""
 LEAST_SPEED_NOISE = 1e-4
 """rad/s: a speed without any noise would be believed against all else."""
-
-TOP_SPEED, TOP_BALANCE, BIT_SPEED, BIT_BALANCE, ROCK = range(5)
-"""What an innovation corrects of the present state."""
-TOLD_BIT_SPEED, TOLD_BIT_TORQUE, TOLD_TOP_SPEED, TOLD_TOP_TORQUE = range(4)
-"""What it corrects of the past: the answers."""
 
 
 class Gains(NamedTuple):
@@ -69,59 +67,10 @@ class Gains(NamedTuple):
     """Frequency up to which at least half of the rock's torque is told, Hz, shape (C,)."""
 
 
-class Plant(NamedTuple):
-    """What gains are for; `steps` internal steps a tick, inertias as 2 J / Δt of a step (trapezoid rule)."""
-
-    line: Line
-    drag: float
-    """Slope of the load law, N·m·s/rad."""
-    bit_rate: float
-    drive_rate: float
-    steps: int
-    rate: float
-    """Ticks a second."""
-    torque_noise: float
-    """Of a sample, at the string's side of the gear, N·m."""
-    speed_noise: float
-    late: float = 0.0
-    """How many ticks a sample of torque is late."""
-
-
-class _Seats(NamedTuple):
-    """Where the stations find their waves: those that go down, then those that come back; shapes (2, n)."""
-
-    row: Integers
-    """Which internal step of a tick,"""
-    late: Integers
-    """and how many ticks before the bit's."""
-
-
-class _Responses(NamedTuple):
-    """Spectra of the answers to one unknown's unit impulse, at the ticks; F frequencies."""
-
-    seen: Complexes
-    """Top speed, shape (F,)."""
-    state: Complexes
-    """Shape (5, F)."""
-    motor: Complexes
-    """The sample of torque itself, at its own tick; nothing where the rock is the unknown, shape (F,)."""
-    waves: Complexes
-    """At the sections' tops, down and back, at each internal step of the tick, shape (2, M, steps, F)."""
-    told: Complexes
-    """Shape (4, steps, F)."""
-    along: Floats
-    """Sums of squares of speed and torque at n stations, over all ticks, shape (2, n)."""
-
-
-def rock_fade(rate: float) -> float:
-    """Share of the rock's torque that is left after one step at `rate` (Hz)."""
-    return math.exp(-1 / (ROCK_MEMORY_S * rate))
-
-
 def gains(plant: Plant, at: Stations, lag: int, ahead: tuple[float, float]) -> Gains:
     """The gains of a string for answers `lag` ticks late, and foretold so many ticks ahead."""
     ticks = 1 << (round(HORIZON_S * plant.rate) - 1).bit_length()
-    of_rock, of_noise = (_responses(plant, at, ticks, by_rock=by_rock) for by_rock in (True, False))
+    of_rock, of_noise = (responses(plant, at, ticks, by_rock=by_rock) for by_rock in (True, False))
     each = [_at_level(plant, at, of_rock, of_noise, float(level), lag, ahead) for level in ROCK_LEVELS]
     of = Gains(ROCK_LEVELS.copy(), *(np.array(column) for column in zip(*each, strict=True)))
     # Rows of several quantities, each of its own unit, are rounded by the levels of each.
@@ -143,8 +92,8 @@ def gains(plant: Plant, at: Stations, lag: int, ahead: tuple[float, float]) -> G
 def _at_level(
     plant: Plant,
     at: Stations,
-    of_rock: _Responses,
-    of_noise: _Responses,
+    of_rock: Responses,
+    of_noise: Responses,
     level: float,
     lag: int,
     ahead: tuple[float, float],
@@ -180,7 +129,7 @@ def _at_level(
     for way, section in np.ndindex(*waves.shape[:2]):
         waves[way, section] = respond(of_rock.waves[way, section], of_noise.waves[way, section])
     down, back = (_newest_first(those, lag) for those in waves)
-    told_along = _squares_along(plant, at, np.roll(waves, ticks // 2, axis=-1), ticks // 2 + 1 - lag, ticks)
+    told_along = squares_along(plant, at, np.roll(waves, ticks // 2, axis=-1), ticks // 2 + 1 - lag, ticks)
     along = kick * of_rock.along + noise * of_noise.along - innovation * told_along
     return (
         innovation,
@@ -201,124 +150,3 @@ def _newest_first(responses: Floats, lag: int) -> Floats:
     back = responses[..., ::-1, -np.arange(lag)]
     rows = np.moveaxis(back, -2, -1)
     return np.ascontiguousarray(rows.reshape(*rows.shape[:-2], -1))
-
-
-def _responses(plant: Plant, at: Stations, ticks: int, *, by_rock: bool) -> _Responses:
-    line = plant.line
-    free = line._replace(kinetic=np.zeros_like(line.kinetic), static=np.zeros_like(line.static))
-    load = Load(plant.drag, 0.0, 0.0, 1.0, plant.bit_rate)
-    half = ticks // 2
-    sections = len(line.impedance)
-    state = np.zeros((half, 5))
-    waves = np.zeros((half * plant.steps, 2 * sections))
-    told = np.zeros((half * plant.steps, 4))
-    fade = rock_fade(plant.rate * plant.steps)
-    size = 1 << int(line.round_trip.max() + plant.steps).bit_length()
-    rings = np.zeros((2, sections, size))
-    # A sample acts on the tick before it and on the one after, and so much earlier as it is told late.
-    own = math.ceil(plant.late)
-    pulls = np.maximum(
-        0.0, 1 - np.abs((np.arange(half * plant.steps) + 1) / plant.steps - 1 - own + plant.late)
-    )
-    sample = np.zeros(half)
-    if by_rock:
-        pulls[:] = 0.0
-    else:
-        sample[own] = 1.0
-    _strike(free, load, plant.drive_rate, plant.steps, fade, by_rock, pulls, rings, state, waves, told)
-    # Cut off, what is left at the end would ring in the spectra: it fades from the middle on.
-    fades = np.minimum(1.0, 2 * np.cos(np.pi / 2 * np.arange(half) / half) ** 2)
-    forgets = fades * np.exp(-np.arange(half) / (MEMORY_S * plant.rate))
-
-    def forgotten(columns: Floats) -> Floats:
-        """Columns (half · steps, K) as rows of ticks: shape (K, steps, half)."""
-        rows = columns.reshape(half, -1, columns.shape[1]).transpose(2, 1, 0)
-        return np.ascontiguousarray(rows * forgets, np.float64)
-
-    of_state = np.fft.rfft(forgotten(state), ticks)[:, 0]
-    of_waves = forgotten(waves).reshape(2, sections, plant.steps, half)
-    room = int(_seats(plant, at).late.max())
-    padded = np.pad(of_waves, [(0, 0), (0, 0), (0, 0), (room, 0)])
-    return _Responses(
-        of_state[TOP_SPEED],
-        of_state,
-        np.fft.rfft(sample * forgets, ticks),
-        np.fft.rfft(of_waves, ticks),
-        np.fft.rfft(forgotten(told), ticks),
-        _squares_along(plant, at, padded, room, half + room),
-    )
-
-
-def _seats(plant: Plant, at: Stations) -> _Seats:
-    travel = int(plant.line.round_trip.sum()) // 2
-    step = plant.steps - 1 - travel + np.array([at.down - at.inside, at.down + at.inside])
-    return _Seats(step % plant.steps, -(step // plant.steps))
-
-
-def _squares_along(plant: Plant, at: Stations, waves: Floats, start: int, stop: int) -> Floats:
-    """Sums of squares of speed and torque at n stations, each seen when the bit of the same moment is.
-
-    `waves` (2, M, steps, ticks) at the sections' tops; the bit's ticks are those from `start` on, and what
-    comes back is to be had until `stop`. Speed and torque are made of two waves each: three sums over
-    their products tell both. Shape (2, n).
-    """
-    line, seats = plant.line, _seats(plant, at)
-    down, both, back = np.empty((3, len(at.section)))
-    for k, section in enumerate(at.section):
-        (of_f, of_g), (f_late, g_late) = seats.row[:, k], seats.late[:, k]
-        f = waves[0, section, of_f, start - f_late : stop - f_late + g_late]
-        g = waves[1, section, of_g, start - g_late : stop]
-        down[k], both[k], back[k] = f @ f, f @ g, g @ g
-    fades = np.exp(-seats.late / (MEMORY_S * plant.rate))
-    down, both, back = down * fades[0] ** 2, both * fades[0] * fades[1], back * fades[1] ** 2
-    turns = 0.5 / line.impedance[at.section]
-    rubbed = turns * (at.above * line.viscous[at.section] - at.below * line.viscous[at.section + 1])
-    speed = turns**2 * (down - 2 * both + back)
-    torque = (0.5 + rubbed) ** 2 * down + 2 * (0.25 - rubbed**2) * both + (0.5 - rubbed) ** 2 * back
-    return np.array([speed, torque])
-
-
-@compiled
-def _strike(
-    line: Line,
-    load: Load,
-    drive_rate: float,
-    steps: int,
-    fade: float,
-    by_rock: bool,
-    pulls: Floats,
-    rings: Floats,
-    state: Floats,
-    waves: Floats,
-    told: Floats,
-) -> None:
-    """Answers of a string at rest to 1 N·m of rock that fades, or to the motor's `pulls`, N·m a step."""
-    ring = rings[0]
-    mask = ring.shape[1] - 1
-    speeds = np.zeros(line.impedance.shape[0] + 1)
-    bit = np.zeros((2, 1))
-    top_balance, bit_balance = 0.0, 0.0
-    rock = 1.0 if by_rock else 0.0
-    for step in range(waves.shape[0]):
-        g, bit_balance = march(
-            line, load, ring, step - 1, 1, step - 1, EVERY_JUNCTION, rock, 1.0, speeds, bit_balance, bit
-        )
-        w, top_balance = turn_top(line, drive_rate, pulls[step] - g, speeds[0], top_balance)
-        speeds[0] = w
-        ring[0, step & mask] = g + 2 * line.impedance[0] * w
-        keep_returned(line, ring, speeds, step, rings[1])
-        for way in range(2):
-            for i in range(ring.shape[0]):
-                waves[step, way * ring.shape[0] + i] = rings[way, i, step & mask]
-        told[step, TOLD_BIT_SPEED] = bit[0, 0]
-        told[step, TOLD_BIT_TORQUE] = bit[1, 0]
-        told[step, TOLD_TOP_SPEED] = w
-        told[step, TOLD_TOP_TORQUE] = g + (line.impedance[0] + line.viscous[0]) * w
-        if (step + 1) % steps == 0:
-            tick = step // steps
-            state[tick, TOP_SPEED] = w
-            state[tick, TOP_BALANCE] = top_balance
-            state[tick, BIT_SPEED] = bit[0, 0]
-            state[tick, BIT_BALANCE] = bit_balance
-            state[tick, ROCK] = rock
-        rock *= fade

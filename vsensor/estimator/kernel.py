@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vsensor.estimator.ahead import predict, stick_ahead
-from vsensor.estimator.gains import TOLD_BIT_TORQUE, TOLD_TOP_SPEED
 from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.observe import note_rest, observe, settle
+from vsensor.estimator.responses import TOLD_BIT_TORQUE, TOLD_TOP_SPEED
 from vsensor.estimator.score import NOW as NOW_KIND
 from vsensor.estimator.score import VALUE, foretell, score, variance
 from vsensor.estimator.sections import Floats
@@ -159,14 +159,14 @@ def _doubt(model: Model, state: State, quantity: int, step: int) -> float:
     longer = state.told[1, quantity, (step + model.shift) & mask]
     shorter = state.told[2, quantity, (step - model.shift) & mask]
     heavier, lighter = state.told[3, quantity, step & mask], state.told[4, quantity, step & mask]
-    variance = state.tuning.variance
-    by_parameters = variance[DELAY] * ((longer - shorter) / (2.0 * model.off[DELAY])) ** 2
-    by_parameters += variance[INERTIA] * ((heavier - lighter) / (2.0 * model.off[INERTIA])) ** 2
+    unsure = state.tuning.variance
+    by_parameters = unsure[DELAY] * ((longer - shorter) / (2.0 * model.off[DELAY])) ** 2
+    by_parameters += unsure[INERTIA] * ((heavier - lighter) / (2.0 * model.off[INERTIA])) ** 2
     if quantity == TOLD_BIT_TORQUE:
         # The wall's own speed is the top's at least on average: it rubs where the bit rests.
         top = step - (model.now - model.behind * model.steps)
         wall = wall_torque(model.line, state.told[0, TOLD_TOP_SPEED, top & mask])
-        by_parameters += variance[FRICTION] * wall * wall
+        by_parameters += unsure[FRICTION] * wall * wall
         # Parts of the wall that rest hold anything up to their static friction: all of it is equally likely.
         held = state.held[(state.ticks[0] - model.lag) % state.held.shape[0]]
         by_parameters += held * held / 3.0
@@ -233,8 +233,8 @@ def _answer_top(model: Model, state: State, out: Floats) -> None:
     step = confirmed_step(model, state) - (model.now - model.behind * model.steps)
     at = step & (state.told.shape[2] - 1)
     for q in range(2):
-        variance = model.gains.variance[state.level[0], 2 + q] * max(1.0, state.surprise[0])
-        _tell(out, TOP + 2 * q, state.told[0, 2 + q, at], variance)
+        by_noise = model.gains.variance[state.level[0], 2 + q] * max(1.0, state.surprise[0])
+        _tell(out, TOP + 2 * q, state.told[0, 2 + q, at], by_noise)
 
 
 @compiled

@@ -6,7 +6,8 @@ import numpy as np
 
 from vsensor.config import Rig
 from vsensor.estimator.along import Stations
-from vsensor.estimator.gains import Plant, gains, rock_fade
+from vsensor.estimator.gains import gains
+from vsensor.estimator.responses import Plant, rock_fade
 from vsensor.estimator.sections import Line
 from vsensor.estimator.state import Model, shadowed
 

@@ -11,7 +11,11 @@ silent the same string runs on under the other alone:
 import math
 
 from vsensor.estimator.along import keep_returned
-from vsensor.estimator.gains import (
+from vsensor.estimator.gains import Gains
+from vsensor.estimator.learn import load_in_force
+from vsensor.estimator.line import EVERY_JUNCTION, march, rubbing, turn_top
+from vsensor.estimator.load import Load, law
+from vsensor.estimator.responses import (
     BIT_BALANCE,
     BIT_SPEED,
     ROCK,
@@ -21,11 +25,7 @@ from vsensor.estimator.gains import (
     TOLD_TOP_TORQUE,
     TOP_BALANCE,
     TOP_SPEED,
-    Gains,
 )
-from vsensor.estimator.learn import load_in_force
-from vsensor.estimator.line import EVERY_JUNCTION, march, rubbing, turn_top
-from vsensor.estimator.load import Load, law
 from vsensor.estimator.sections import Floats, Line
 from vsensor.estimator.state import BIT, SPEED, TOP, TORQUE, Model, State, Strand, line_of, strand
 from vsensor.jit import compiled

@@ -2,9 +2,9 @@
 
 import math
 
-from vsensor.estimator.gains import TOLD_BIT_TORQUE
 from vsensor.estimator.learn import SLIDING, load_in_force
 from vsensor.estimator.load import law
+from vsensor.estimator.responses import TOLD_BIT_TORQUE
 from vsensor.estimator.state import Model, State
 from vsensor.jit import compiled
 

@@ -21,6 +21,10 @@ NOW, FORECAST = range(2)
 VALUE, CHANGE, EXPECTED = range(3)
 TRUST_S = 10.0
 """What the gains tell weighs as much as so much of the record."""
+LEAST = 1e-3
+"""A variance is never taken to be less than this share of what the gains tell."""
+WILD = 25.0
+"""A squared miss beyond so many variances, five deviations, counts as one of so many."""
 
 
 class Scores(NamedTuple):
@@ -84,12 +88,6 @@ def score(scores: Scores, kind: int, quantity: int, tick: int, truth: float, rat
     sums[3] += weight * u * m
     sums[4] += weight * m * x
     _solve(sums, scores.law[kind, quantity])
-
-
-LEAST = 1e-3
-"""A variance is never taken to be less than this share of what the gains tell."""
-WILD = 25.0
-"""A squared miss beyond so many variances, five deviations, counts as one of so many."""
 
 
 @compiled

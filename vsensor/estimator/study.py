@@ -1,7 +1,7 @@
 """What each confirmed answer teaches: of the rock, of the string, of the wall."""
 
-from vsensor.estimator.gains import TOLD_BIT_SPEED, TOLD_BIT_TORQUE, TOLD_TOP_SPEED
 from vsensor.estimator.learn import learn, lose_sight
+from vsensor.estimator.responses import TOLD_BIT_SPEED, TOLD_BIT_TORQUE, TOLD_TOP_SPEED
 from vsensor.estimator.rock import weigh_rock
 from vsensor.estimator.score import EXPECTED, NOW, VALUE
 from vsensor.estimator.state import Model, State
