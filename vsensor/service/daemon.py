@@ -57,7 +57,7 @@ class Daemon:
         self._recorder = recorder
         self._inbox = SurfaceInbox(session, rig.prefix, SURFACE_TOPICS)
         self._outbox = Outbox(session, rig.prefix, reliable=False)
-        self._watch = Watch(rig, engine.estimator.confirmed_delay)
+        self._watch = Watch(rig)
         self._profiler = Profiler(rig, engine.estimator)
         self.health = Health(rig, engine, self._watch.sticks)
         self.status = self.health.status("starting", recorder)

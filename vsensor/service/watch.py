@@ -1,7 +1,6 @@
 """Conditions worth telling a driller: each begins, and ends."""
 
 import math
-from collections import deque
 
 from vsensor.config import Rig
 from vsensor.depth import Depths
@@ -39,9 +38,9 @@ class Condition:
 
 
 class Watch:
-    """All conditions of one rig; a tick's confirmed answer is for `confirmed_delay` (s) before it."""
+    """All conditions of one rig."""
 
-    def __init__(self, rig: Rig, confirmed_delay: float) -> None:
+    def __init__(self, rig: Rig) -> None:
         self.sticks = Sticks(rig)
         self._input = Condition(
             "input_lost", "a surface channel is silent", "both surface channels speak again"
@@ -69,8 +68,7 @@ class Watch:
             "the bit's depth and the string's length agree again: ",
         )
         self._turning = 2 * STUCK_SPEED * rig.top_drive.gear_ratio
-        self._surface: deque[float] = deque(maxlen=round(confirmed_delay * rig.loop.rate) + 1)
-        """Motor speed, from the time of the confirmed answer on: surface and bit are compared at one time."""
+        """Motor speed from which the string turns, rad/s."""
         self._slow_since_ns: int | None = None
         self._turned_ns: int | None = None
         self._tuning: tuple[float, ...] = (0.0, 0.0, 0.0)
@@ -80,10 +78,8 @@ class Watch:
         """Look at one tick: what does the bit do, and what was done to the string?"""
         self._last_ns = tick.time_ns
         if tick.number == 0:
-            self._surface.clear()
             self._turned_ns = None
             self.sticks.forget()
-        self._surface.append(tick.motor_speed_rad_s)
         seen = (
             self._look_at_bit(tick, estimate),
             self._look_at_string(tick),
@@ -97,7 +93,7 @@ class Watch:
         known = estimate.HasField("confirmed_bit_speed_rad_s")
         time_ns = estimate.confirmed_time_ns if known else tick.time_ns
         slow = known and abs(estimate.confirmed_bit_speed_rad_s) < STUCK_SPEED
-        if not slow or abs(self._surface[0]) < self._turning:
+        if not slow or abs(estimate.top_speed_rad_s) < 2 * STUCK_SPEED:
             self._slow_since_ns = None
             return self._stuck.see(False, time_ns)
         if self._slow_since_ns is None:
