@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from vsensor.config import Rig
 from vsensor.intake import NS, Input
-from vsensor.messages import Sample
+from vsensor.messages import Event, Sample
 from vsensor.offline import Offline
 from vsensor.tables import SurfaceTable, read_surface, surface_samples
 
@@ -79,7 +79,7 @@ class _Told(Offline):
         super().__init__(rig)
         self._until_s = off_bottom_until_s
 
-    def _inputs(self, samples: Iterable[tuple[str, Sample]]) -> Iterator[Input]:
+    def _inputs(self, samples: Iterable[tuple[str, Sample | Event]]) -> Iterator[Input]:
         for given in super()._inputs(samples):
             yield given._replace(off_bottom=given.time_ns < self._until_s * NS)
 

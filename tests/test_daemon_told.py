@@ -10,8 +10,10 @@ from typer.testing import CliRunner
 from tests.daemons import Daemon, Post, daemon, free_bus, post, wait_until
 from tests.rigs import NS, RATE, SHORT, samples, simulated
 from vsensor.cli import main
+from vsensor.commands import COMMAND
 from vsensor.config import Bus, effective_toml, loads
 from vsensor.messages import (
+    BIT_ESTIMATE,
     SENSOR_EVENT,
     SENSOR_TICK,
     SURFACE_BIT_DEPTH,
@@ -35,6 +37,16 @@ def say(sensor: Daemon, *words: str) -> tuple[int, str]:
 
 def depth(rig: Post, topic: str, metres: float) -> None:
     rig.send([(topic, Sample(time_ns=time.time_ns(), value=metres))])
+
+
+def answers(session: Session) -> list[bytes]:
+    """All estimates, to the bit."""
+    return [record.message.SerializeToString() for record in session.messages((BIT_ESTIMATE,))]
+
+
+def commands(session: Session) -> list[Event]:
+    events = [cast("Event", record.message) for record in session.messages((SENSOR_EVENT,))]
+    return [event for event in events if event.name == COMMAND]
 
 
 def test_commands_and_depths_reach_the_ticks_and_a_session_of_them_is_exact(tmp_path: Path) -> None:
@@ -69,6 +81,13 @@ def test_commands_and_depths_reach_the_ticks_and_a_session_of_them_is_exact(tmp_
     assert {tick.off_bottom for tick in ticks} == {True, False}
     assert verify(session, Engine(loads(session.configuration or "", str(path))).step).exact
     assert ticks[-1].time_ns - ticks[0].time_ns > 7 * NS
+    assert [event.text for event in commands(session)] == ["off bottom", "longer 30 m", "by depths"]
+
+    again = tmp_path / "again.mcap"
+    result = CliRunner().invoke(main.app, ["estimate", str(path), "-o", str(again)])
+    assert result.exit_code == 0, result.output
+    assert answers(Session(again)) == answers(session)
+    assert [event.text for event in commands(Session(again))] == ["off bottom", "longer 30 m", "by depths"]
 
 
 def test_where_no_sensor_is_up_it_says_so(tmp_path: Path) -> None:

@@ -7,10 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.strings import COLLAR, PIPE, rig
+from vsensor.commands import obey
 from vsensor.depth import MOST_STANDS, SLACK_M, Depths
 from vsensor.messages import SURFACE_BIT_DEPTH, SURFACE_HOLE_DEPTH, Sample
 from vsensor.messages.vsensor_pb2 import BAD
-from vsensor.service.commands import obey
 
 RIG = rig(PIPE, COLLAR)
 LENGTH, STAND = PIPE.length + COLLAR.length, 28.5

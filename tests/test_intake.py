@@ -8,8 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.strings import PIPE, rig
+from vsensor.errors import InputError
 from vsensor.intake import NS, Input, Intake
-from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Sample
+from vsensor.messages import SENSOR_EVENT, SURFACE_SPEED, SURFACE_TORQUE, Event, Sample
 from vsensor.quality import Reason
 
 T, S = SURFACE_TORQUE, SURFACE_SPEED
@@ -178,3 +179,16 @@ def test_a_gap_of_one_channel_alone_before_the_grid_is_still_known_when_the_othe
     given_out = ticks(one(S, steps(101, 101.9)), intake)
     assert given_out[0].time_ns == BEGUN + 101 * NS
     assert {tick.reasons for tick in given_out} == {Reason.GAP_BRIDGED}
+
+
+def test_a_recorded_command_is_obeyed_again_and_other_events_say_nothing() -> None:
+    intake = Intake(rig(PIPE))
+    for event in (Event(name="command", text="longer 30 m"), Event(name="stuck", text="longer 30 m")):
+        assert intake.take(SENSOR_EVENT, event) == []
+    given = ticks(both(steps(0, 0.1)), intake)
+    assert [tick.longer_by for tick in given][:2] == [30, 0]
+
+
+def test_a_recorded_command_that_does_not_fit_the_rig_is_named() -> None:
+    with pytest.raises(InputError, match=r'command "shorter 9 km" does not fit this rig: the string is'):
+        Intake(rig(PIPE)).take(SENSOR_EVENT, Event(name="command", text="shorter 9 km"))

@@ -11,9 +11,11 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import NamedTuple
 
+from vsensor.commands import COMMAND, obey
 from vsensor.config import Rig
 from vsensor.depth import Depths
-from vsensor.messages import DEPTH_TOPICS, SURFACE_SPEED, SURFACE_TORQUE, ChannelStatus, Sample
+from vsensor.errors import InputError
+from vsensor.messages import DEPTH_TOPICS, SURFACE_SPEED, SURFACE_TORQUE, ChannelStatus, Event, Sample
 from vsensor.quality import Quality, Reason
 
 NS = 1_000_000_000
@@ -192,11 +194,15 @@ class Intake:
         for channel in self.channels.values():
             channel.forget()
 
-    def take(self, topic: str, sample: Sample | None) -> list[Input]:
+    def take(self, topic: str, sample: Sample | Event | None) -> list[Input]:
         """Take one sample in the order of arrival, None for one that could not be read.
 
         Returns each tick that both channels have now reached, or that one has left far behind.
+        Of recorded events, commands are obeyed again; raises InputError where this rig cannot.
         """
+        if isinstance(sample, Event):
+            self._obey_again(sample)
+            return []
         if topic in DEPTH_TOPICS:
             self.depths.take(topic, sample)
             return []
@@ -209,6 +215,14 @@ class Intake:
             channel.accept(sample, self._consumed_ns)
         channel.follow(sample)
         return list(self._ready())
+
+    def _obey_again(self, event: Event) -> None:
+        if event.name != COMMAND:
+            return
+        try:
+            obey(event.text, self.depths)
+        except ValueError as error:
+            raise InputError(f'the recorded command "{event.text}" does not fit this rig: {error}') from error
 
     def _in_time(self, topic: str, channel: Channel, time_ns: int) -> bool:
         """Whether a time follows from what came before.

@@ -19,7 +19,7 @@ from vsensor.estimator.kernel import (
     TORQUE_STD,
 )
 from vsensor.intake import NS, Input, Intake
-from vsensor.messages import Sample
+from vsensor.messages import Event, Sample
 from vsensor.quality import Reason, verdict
 
 CHUNK = 10_000
@@ -38,13 +38,15 @@ class Offline:
         """Corrections of delay, top-drive inertia and wall friction that the record made, as shares; (3,)."""
         return self._estimator.tuning
 
-    def estimates(self, samples: Iterable[tuple[str, Sample]]) -> Iterator[Mapping[str, NDArray[np.generic]]]:
+    def estimates(
+        self, samples: Iterable[tuple[str, Sample | Event]]
+    ) -> Iterator[Mapping[str, NDArray[np.generic]]]:
         """Yield the estimates table of `contracts` in chunks of columns, one row a tick."""
         inputs = self._inputs(samples)
         while chunk := list(islice(inputs, CHUNK)):
             yield from map(self._run, _unbroken(chunk))
 
-    def _inputs(self, samples: Iterable[tuple[str, Sample]]) -> Iterator[Input]:
+    def _inputs(self, samples: Iterable[tuple[str, Sample | Event]]) -> Iterator[Input]:
         for topic, sample in samples:
             yield from self.intake.take(topic, sample)
 

@@ -11,7 +11,7 @@ from vsensor.config import Rig, load, loads
 from vsensor.errors import ConfigError, InputError
 
 if TYPE_CHECKING:
-    from vsensor.messages import Sample
+    from vsensor.messages import Event, Sample
 
 
 def estimate(
@@ -53,16 +53,18 @@ def _rig(source: Path, config: Path | None) -> Rig:
     return loads(recorded, f"{source}: recorded configuration")
 
 
-def _samples(source: Path) -> "Iterator[tuple[str, Sample]]":
-    from vsensor.messages import SURFACE_TOPICS, Sample
+def _samples(source: Path) -> "Iterator[tuple[str, Sample | Event]]":
+    """Samples and, of a session, what the sensor was told between them."""
+    from vsensor.commands import COMMAND
+    from vsensor.messages import SENSOR_EVENT, SURFACE_TOPICS, Event, Sample
     from vsensor.recording.reader import Session
     from vsensor.tables import read_surface, surface_samples
 
     if source.suffix != ".mcap":
         yield from surface_samples(read_surface(source))
         return
-    for topic, message, _, _ in Session(source).messages(SURFACE_TOPICS):
-        if isinstance(message, Sample):
+    for topic, message, _, _ in Session(source).messages((*SURFACE_TOPICS, SENSOR_EVENT)):
+        if isinstance(message, Sample) or (isinstance(message, Event) and message.name == COMMAND):
             yield topic, message
 
 

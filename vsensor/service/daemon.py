@@ -9,6 +9,7 @@ from typing import Protocol
 import zenoh
 
 from vsensor.bus import Commands, Outbox, Received, SurfaceInbox
+from vsensor.commands import obey
 from vsensor.config import Rig
 from vsensor.messages import (
     BIT_ESTIMATE,
@@ -27,7 +28,6 @@ from vsensor.messages import (
     Status,
     Tick,
 )
-from vsensor.service.commands import obey
 from vsensor.service.engine import Engine
 from vsensor.service.health import Health, Recorded
 from vsensor.service.pace import Pace, Slot
@@ -94,7 +94,7 @@ class Daemon:
 
     def _turn(self, slot: Slot) -> None:
         self._count_owed(slot)
-        self._commands.answer(lambda words: obey(words, self._engine.intake.depths))
+        self._commands.answer(self._obey)
         for received in self._inbox.drain():
             if received.fault:
                 self.fault = f"{received.topic}: a sample {received.fault}"
@@ -104,6 +104,11 @@ class Daemon:
                 self._owed = max(self._owed - 1, 0)
                 self._publish_tick(tick, estimate)
         self.health.listen()
+
+    def _obey(self, words: str) -> str:
+        done = obey(words, self._engine.intake.depths)
+        self._tell(self._watch.command(words))
+        return done
 
     def _count_owed(self, slot: Slot) -> None:
         """A tick is owed for each slot that was skipped; what has not come a second later never was."""

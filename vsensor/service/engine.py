@@ -22,7 +22,7 @@ from vsensor.estimator.kernel import (
 )
 from vsensor.estimator.sections import Floats
 from vsensor.intake import NS, Input, Intake
-from vsensor.messages import Estimate, Sample, Tick
+from vsensor.messages import Estimate, Event, Sample, Tick
 from vsensor.messages.vsensor_pb2 import Quality as QualityMessage
 from vsensor.quality import Reason, verdict
 
@@ -60,8 +60,8 @@ class Engine:
         """The same, oldest first."""
         return np.roll(self.recent, -self._newest - 1, axis=1)
 
-    def take(self, topic: str, sample: Sample | None) -> Iterator[tuple[Tick, Estimate]]:
-        """Take a sample of a surface channel (None: unreadable); yield the ticks that it completes."""
+    def take(self, topic: str, sample: Sample | Event | None) -> Iterator[tuple[Tick, Estimate]]:
+        """Take a sample (None: unreadable) or a recorded event; yield the ticks that it completes."""
         for given in self.intake.take(topic, sample):
             tick = tick_of(given)
             yield tick, self.step(tick)

@@ -1,7 +1,9 @@
 """Conditions worth telling a driller: each begins, and ends."""
 
 import math
+import time
 
+from vsensor.commands import COMMAND
 from vsensor.config import Rig
 from vsensor.depth import Depths
 from vsensor.estimator.figures import STUCK_SPEED
@@ -72,7 +74,7 @@ class Watch:
         self._slow_since_ns: int | None = None
         self._turned_ns: int | None = None
         self._tuning: tuple[float, ...] = (0.0, 0.0, 0.0)
-        self._last_ns = 0
+        self._last_ns = time.time_ns()  # until the first tick tells the source's own time
 
     def tick(self, tick: Tick, estimate: Estimate) -> list[Event]:
         """Look at one tick: what does the bit do, and what was done to the string?"""
@@ -156,6 +158,10 @@ class Watch:
             f"wall friction {friction:+.1%}"
         )
         return Event(time_ns=self._last_ns, name="self_tuning", begins=True, text=text)
+
+    def command(self, words: str) -> Event:
+        """Note what the sensor was told, in the words that tell it again."""
+        return Event(time_ns=self._last_ns, name=COMMAND, begins=True, text=words)
 
     def depths(self, depths: Depths) -> Event | None:
         """Look at the depths: do they fit the string?"""

@@ -1,8 +1,13 @@
-"""What the driller may tell the sensor while it runs, in plain words."""
+"""What the driller may tell the sensor while it runs, in plain words.
+
+Each command that was obeyed is recorded among the samples, as an event whose text it is.
+"""
 
 from vsensor.depth import Depths
 from vsensor.units import to_si
 
+COMMAND = "command"
+"""The name of such an event."""
 HELP = 'say "off bottom", "on bottom", "by depths", "longer 28.5 m" or "shorter 28.5 m"'
 """What would be right."""
 
