@@ -43,7 +43,7 @@ def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
         drive_rates=np.array([plant.drive_rate]),
         off=np.zeros(2),
         shift=0,
-        gains=gains(plant, at, lag, (now / steps, min(max(now, round_trip), now + horizon) / steps)),
+        gains=gains(plant, at, lag, (now / steps, _end(now, round_trip, horizon) / steps)),
         bit_rate=plant.bit_rate,
         passed=passed,
         turns=drive.gear_ratio,
@@ -67,5 +67,9 @@ def timed(model: Model) -> Model:
     """The model with its shadows, and the times that follow from its line."""
     round_trip = int(model.line.round_trip.sum())
     now = model.behind * model.steps + round_trip // 2
-    end = min(max(now, round_trip), now + model.horizon)
-    return shadowed(model._replace(now=now, forecast=end))
+    return shadowed(model._replace(now=now, forecast=_end(now, round_trip, model.horizon)))
+
+
+def _end(now: int, round_trip: int, horizon: int) -> int:
+    """Where the forecast ends: where the waves on their way do, or sooner if less is asked."""
+    return min(max(now, round_trip), now + horizon)

@@ -24,7 +24,6 @@ TORQUE, SPEED = range(2)
 LEARNED = ("scores", "learned", "tuning", "rock_square", "level")
 """What stays when the waves are lost: these, and all within them."""
 
-
 SHADOW_DELAY = 0.008
 SHADOW_INERTIA = 0.05
 """How far the shadows are off: enough to be told apart from rounding, too little to be another string."""
