@@ -4,6 +4,7 @@ import math
 import signal
 import time
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import cast
 
@@ -36,6 +37,7 @@ from vsensor.messages import (
 )
 from vsensor.messages.vsensor_pb2 import BAD
 from vsensor.recording.reader import Session
+from vsensor.service.histogram import quantile_s
 
 pytestmark = pytest.mark.process
 
@@ -244,6 +246,23 @@ def test_the_status_tells_what_becomes_of_the_power(life: Life) -> None:
         assert status.lost_power_w == pytest.approx(status.top_power_w - status.bit_power_w)
         assert 0 <= status.stuck_share <= 1
         assert 0 <= status.back_rotation_share <= 1
+
+
+def test_each_turn_is_in_the_histograms_and_quantiles_come_of_them(life: Life) -> None:
+    told = cast("list[Status]", life.recorded(SENSOR_STATUS))
+    for before, status in pairwise(told):
+        # The turn that tells has woken already, and is not done.
+        assert sum(status.lateness.counts) == status.slots_run
+        assert sum(status.work.counts) in (status.slots_run - 1, status.slots_run)
+        for name in ("lateness", "work", "input_age", "publish"):
+            counts, earlier = (list(getattr(each, name).counts) for each in (status, before))
+            since = [now - then for now, then in zip(counts, earlier, strict=True)]
+            assert status.HasField(f"{name}_p50_s") == any(since)  # type: ignore[arg-type]
+            if any(since):
+                assert getattr(status, f"{name}_p99_s") == quantile_s(since, 0.99)
+    last = told[-1]
+    assert last.input_age_p99_s >= last.input_age_p50_s > 0
+    assert last.publish.sum_s < last.work.sum_s
 
 
 def test_ctrl_c_ends_it_well_and_the_session_is_complete(life: Life) -> None:

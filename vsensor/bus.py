@@ -13,8 +13,9 @@ from vsensor.config import Bus
 from vsensor.errors import BusError, ConfigError
 from vsensor.messages import SENSOR_ALIVE, SENSOR_COMMAND, SURFACE, Message, Sample, message_type, surface
 
-COMMANDS_CAPACITY = 16
-COMMAND_BYTES = 200
+QUESTIONS_CAPACITY = 16
+"""Of more that come at once the oldest go unanswered."""
+QUESTION_BYTES = 200
 """What a driller may say is far shorter."""
 INBOX_CAPACITY = 1 << 16
 """Samples that may wait for a tick: 30 s of two channels at 1 kHz, past which the oldest are lost."""
@@ -105,20 +106,24 @@ class SurfaceInbox:
                 yield Received(topic, received_ns, sample)
 
 
-class Commands:
-    """Questions put to the sensor that ask it to do something, drained without waiting."""
+class Questions:
+    """Questions put to the sensor, to tell or to do something, drained without waiting.
 
-    def __init__(self, session: zenoh.Session, prefix: str) -> None:
-        key = f"{prefix}/{SENSOR_COMMAND}"
-        self._queryable = session.declare_queryable(key, zenoh.handlers.FifoChannel(COMMANDS_CAPACITY))
+    The loop answers them itself: another thread would hold the interpreter while the loop is due.
+    """
 
-    def answer(self, obey: Callable[[str], str]) -> None:
-        """Answer what has come since the last call: `obey` returns what was done, or raises ValueError."""
-        while (query := self._queryable.try_recv()) is not None:
+    def __init__(self, session: zenoh.Session, key: str) -> None:
+        self._queryable = session.declare_queryable(key, zenoh.handlers.RingChannel(QUESTIONS_CAPACITY))
+
+    def answer(self, reply: Callable[[str], str | bytes], encoding: str = surface.TEXT) -> None:
+        """Answer what has come since the last call: `reply` returns the answer, or raises ValueError."""
+        for _ in range(QUESTIONS_CAPACITY):
+            if (query := self._queryable.try_recv()) is None:
+                return
             with query:
-                words = b"" if query.payload is None else query.payload.to_bytes()[:COMMAND_BYTES]
+                words = b"" if query.payload is None else query.payload.to_bytes()[:QUESTION_BYTES]
                 try:
-                    query.reply(query.key_expr, obey(words.decode("utf-8", "replace")))
+                    query.reply(query.key_expr, reply(words.decode("utf-8", "replace")), encoding=encoding)
                 except ValueError as error:
                     query.reply_err(str(error))
 

@@ -19,6 +19,7 @@ from vsensor.schema import (
     Length,
     Modulus,
     PositiveTime,
+    Processor,
     Rate,
     Ratio,
     Share,
@@ -148,9 +149,23 @@ class DepthSettings(Table):
 
 
 class Loop(Table):
-    """The fixed-step loop."""
+    """The fixed-step loop, and what the system is asked for so that it wakes on time.
+
+    With `prefer` it runs with what it is granted, with `require` only with all of it.
+    """
 
     rate: Rate = Field(default=100.0, description='a rate from "1 Hz" to "5 kHz"')
+    realtime: Literal["off", "prefer", "require"] = "off"
+    priority: int = Field(default=40, ge=1, le=98, strict=True, description="a number from 1 to 98")
+    processors: tuple[Processor, ...] = Field(default=(), description="numbers from 0 on, such as [1]")
+
+    @model_validator(mode="after")
+    def _processors_are_asked_for(self) -> Self:
+        if self.processors and self.realtime == "off":
+            raise ValueError(
+                'processors are taken only with realtime = "prefer" or "require": write one of them'
+            )
+        return self
 
 
 _ENDPOINTS = 'endpoints such as ["tcp/127.0.0.1:7447"]'

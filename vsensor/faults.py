@@ -20,6 +20,7 @@ _SENTENCES = {
     "less_than_equal": "must be at most {le:g}",
     "finite_number": "must be finite",
     "float_type": "must be a number, without quotes",
+    "int_type": "must be a whole number, without quotes",
     "bool_type": "must be true or false, without quotes",
     "string_type": "must be text in quotes",
     "string_too_short": "must not be empty",

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,6 +15,7 @@ from vsensor.config import Rig, effective_toml, load
 if TYPE_CHECKING:
     from vsensor.messages import Status
     from vsensor.recording.recorder import Recorder
+    from vsensor.service.realtime import Achieved
 
 FINISH_S = 30.0
 """How long the recorder may take to complete the file."""
@@ -26,15 +27,21 @@ def run(config: Annotated[Path, typer.Argument(help="The rig: a TOML file.")]) -
     from vsensor.service.daemon import Daemon
     from vsensor.service.engine import Engine
     from vsensor.service.pace import MonotonicClock, Pace
+    from vsensor.service.realtime import achieve
     from vsensor.signals import until_signalled
 
     console = Console()
     rig = load(config)
     with until_signalled() as stopped:
         engine = Engine(rig)
-        with open_session(rig.bus, "daemon") as session, _recorder(rig, console) as recorder:
-            daemon = Daemon(rig, engine, session, recorder)
+        with ExitStack() as last:
+            session = last.enter_context(open_session(rig.bus, "daemon"))
+            achieved = achieve(rig.loop)
+            recorder = last.enter_context(_recorder(rig, achieved, console))
+            daemon = Daemon(rig, engine, session, recorder, achieved)
             _introduce(console, rig, engine.estimator.confirmed_delay, engine.estimator.forecast_horizon)
+            _tell_achieved(console, achieved)
+            console.print("READY")
             teller = Teller(console, recorder)
             pace = Pace(rig.loop.rate, MonotonicClock())
             daemon.run(pace, lambda status: teller.tell(status, daemon.fault), stopped)
@@ -42,7 +49,7 @@ def run(config: Annotated[Path, typer.Argument(help="The rig: a TOML file.")]) -
 
 
 @contextmanager
-def _recorder(rig: Rig, console: Console) -> "Iterator[Recorder | None]":
+def _recorder(rig: Rig, achieved: "Achieved", console: Console) -> "Iterator[Recorder | None]":
     from vsensor.provenance import provenance
     from vsensor.recording.recorder import Recorder
 
@@ -53,8 +60,9 @@ def _recorder(rig: Rig, console: Console) -> "Iterator[Recorder | None]":
     recorder = Recorder(
         rig.recording.folder / name,
         configuration=effective_toml(rig),
-        metadata=provenance(rig),
+        metadata=provenance(rig) | achieved.as_metadata(),
         compression=rig.recording.compression,
+        processors=achieved.others,
     )
     try:
         yield recorder
@@ -70,11 +78,17 @@ def _introduce(console: Console, rig: Rig, delay: float, horizon: float) -> None
     console.print(
         f"rig [bold]{rig.rig.name}[/]: {rig.loop.rate:g} Hz, samples awaited on {rig.prefix}/surface/… "
         f"at {', '.join(rig.bus.listen)}\n"
-        f"the bit is confirmed {delay:.2f} s late, told for now, and foretold {horizon:.2f} s ahead\n"
-        "READY",
+        f"the bit is confirmed {delay:.2f} s late, told for now, and foretold {horizon:.2f} s ahead",
         soft_wrap=True,
         highlight=False,
     )
+
+
+def _tell_achieved(console: Console, achieved: "Achieved") -> None:
+    if achieved.asked != "off":
+        console.print(escape(achieved.words), soft_wrap=True, highlight=False)
+    for refused in achieved.refused:
+        console.print(f"[yellow]not granted:[/] {escape(refused)}", soft_wrap=True, highlight=False)
 
 
 class Teller:

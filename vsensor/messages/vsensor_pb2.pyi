@@ -121,6 +121,7 @@ class Tick(_message.Message):
     CAUGHT_UP_FIELD_NUMBER: _builtins.int
     OFF_BOTTOM_FIELD_NUMBER: _builtins.int
     LONGER_BY_M_FIELD_NUMBER: _builtins.int
+    FORECAST_SHED_FIELD_NUMBER: _builtins.int
     number: _builtins.int
     """since the estimator's last start"""
     time_ns: _builtins.int
@@ -139,6 +140,8 @@ class Tick(_message.Message):
     """by depths or on command"""
     longer_by_m: _builtins.float
     """the string was made longer at this tick; shorter, if negative"""
+    forecast_shed: _builtins.bool
+    """nothing was foretold at this tick: the loop was short of time"""
     def __init__(
         self,
         *,
@@ -152,13 +155,16 @@ class Tick(_message.Message):
         caught_up: _builtins.bool | None = ...,
         off_bottom: _builtins.bool | None = ...,
         longer_by_m: _builtins.float | None = ...,
+        forecast_shed: _builtins.bool | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_caught_up", b"_caught_up", "_lateness_ns", b"_lateness_ns", "_longer_by_m", b"_longer_by_m", "_motor_speed_rad_s", b"_motor_speed_rad_s", "_motor_torque_nm", b"_motor_torque_nm", "_number", b"_number", "_off_bottom", b"_off_bottom", "_reasons", b"_reasons", "_slot", b"_slot", "_time_ns", b"_time_ns", "caught_up", b"caught_up", "lateness_ns", b"lateness_ns", "longer_by_m", b"longer_by_m", "motor_speed_rad_s", b"motor_speed_rad_s", "motor_torque_nm", b"motor_torque_nm", "number", b"number", "off_bottom", b"off_bottom", "reasons", b"reasons", "slot", b"slot", "time_ns", b"time_ns"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_caught_up", b"_caught_up", "_forecast_shed", b"_forecast_shed", "_lateness_ns", b"_lateness_ns", "_longer_by_m", b"_longer_by_m", "_motor_speed_rad_s", b"_motor_speed_rad_s", "_motor_torque_nm", b"_motor_torque_nm", "_number", b"_number", "_off_bottom", b"_off_bottom", "_reasons", b"_reasons", "_slot", b"_slot", "_time_ns", b"_time_ns", "caught_up", b"caught_up", "forecast_shed", b"forecast_shed", "lateness_ns", b"lateness_ns", "longer_by_m", b"longer_by_m", "motor_speed_rad_s", b"motor_speed_rad_s", "motor_torque_nm", b"motor_torque_nm", "number", b"number", "off_bottom", b"off_bottom", "reasons", b"reasons", "slot", b"slot", "time_ns", b"time_ns"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_caught_up", b"_caught_up", "_lateness_ns", b"_lateness_ns", "_longer_by_m", b"_longer_by_m", "_motor_speed_rad_s", b"_motor_speed_rad_s", "_motor_torque_nm", b"_motor_torque_nm", "_number", b"_number", "_off_bottom", b"_off_bottom", "_reasons", b"_reasons", "_slot", b"_slot", "_time_ns", b"_time_ns", "caught_up", b"caught_up", "lateness_ns", b"lateness_ns", "longer_by_m", b"longer_by_m", "motor_speed_rad_s", b"motor_speed_rad_s", "motor_torque_nm", b"motor_torque_nm", "number", b"number", "off_bottom", b"off_bottom", "reasons", b"reasons", "slot", b"slot", "time_ns", b"time_ns"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_caught_up", b"_caught_up", "_forecast_shed", b"_forecast_shed", "_lateness_ns", b"_lateness_ns", "_longer_by_m", b"_longer_by_m", "_motor_speed_rad_s", b"_motor_speed_rad_s", "_motor_torque_nm", b"_motor_torque_nm", "_number", b"_number", "_off_bottom", b"_off_bottom", "_reasons", b"_reasons", "_slot", b"_slot", "_time_ns", b"_time_ns", "caught_up", b"caught_up", "forecast_shed", b"forecast_shed", "lateness_ns", b"lateness_ns", "longer_by_m", b"longer_by_m", "motor_speed_rad_s", b"motor_speed_rad_s", "motor_torque_nm", b"motor_torque_nm", "number", b"number", "off_bottom", b"off_bottom", "reasons", b"reasons", "slot", b"slot", "time_ns", b"time_ns"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__caught_up: _TypeAlias = _typing.Literal["caught_up"]  # noqa: Y015
     _WhichOneofArgType__caught_up: _TypeAlias = _typing.Literal["_caught_up", b"_caught_up"]  # noqa: Y015
+    _WhichOneofReturnType__forecast_shed: _TypeAlias = _typing.Literal["forecast_shed"]  # noqa: Y015
+    _WhichOneofArgType__forecast_shed: _TypeAlias = _typing.Literal["_forecast_shed", b"_forecast_shed"]  # noqa: Y015
     _WhichOneofReturnType__lateness_ns: _TypeAlias = _typing.Literal["lateness_ns"]  # noqa: Y015
     _WhichOneofArgType__lateness_ns: _TypeAlias = _typing.Literal["_lateness_ns", b"_lateness_ns"]  # noqa: Y015
     _WhichOneofReturnType__longer_by_m: _TypeAlias = _typing.Literal["longer_by_m"]  # noqa: Y015
@@ -179,6 +185,8 @@ class Tick(_message.Message):
     _WhichOneofArgType__time_ns: _TypeAlias = _typing.Literal["_time_ns", b"_time_ns"]  # noqa: Y015
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__caught_up) -> _WhichOneofReturnType__caught_up | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__forecast_shed) -> _WhichOneofReturnType__forecast_shed | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__lateness_ns) -> _WhichOneofReturnType__lateness_ns | None: ...
     @_typing.overload
@@ -229,6 +237,7 @@ class Estimate(_message.Message):
     TOP_TORQUE_NM_FIELD_NUMBER: _builtins.int
     TOP_TORQUE_STD_NM_FIELD_NUMBER: _builtins.int
     STICK_IN_S_FIELD_NUMBER: _builtins.int
+    FORECAST_SHED_FIELD_NUMBER: _builtins.int
     number: _builtins.int
     time_ns: _builtins.int
     confirmed_time_ns: _builtins.int
@@ -254,6 +263,8 @@ class Estimate(_message.Message):
     top_torque_std_nm: _builtins.float
     stick_in_s: _builtins.float
     """from now; 0 while the bit sticks; absent where no stick is foretold"""
+    forecast_shed: _builtins.bool
+    """there is no forecast because the loop was short of time"""
     def __init__(
         self,
         *,
@@ -280,10 +291,11 @@ class Estimate(_message.Message):
         top_torque_nm: _builtins.float | None = ...,
         top_torque_std_nm: _builtins.float | None = ...,
         stick_in_s: _builtins.float | None = ...,
+        forecast_shed: _builtins.bool | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_confirmed_bit_speed_rad_s", b"_confirmed_bit_speed_rad_s", "_confirmed_bit_speed_std_rad_s", b"_confirmed_bit_speed_std_rad_s", "_confirmed_bit_torque_nm", b"_confirmed_bit_torque_nm", "_confirmed_bit_torque_std_nm", b"_confirmed_bit_torque_std_nm", "_confirmed_time_ns", b"_confirmed_time_ns", "_forecast_bit_speed_rad_s", b"_forecast_bit_speed_rad_s", "_forecast_bit_speed_std_rad_s", b"_forecast_bit_speed_std_rad_s", "_forecast_bit_torque_nm", b"_forecast_bit_torque_nm", "_forecast_bit_torque_std_nm", b"_forecast_bit_torque_std_nm", "_forecast_time_ns", b"_forecast_time_ns", "_now_bit_speed_rad_s", b"_now_bit_speed_rad_s", "_now_bit_speed_std_rad_s", b"_now_bit_speed_std_rad_s", "_now_bit_torque_nm", b"_now_bit_torque_nm", "_now_bit_torque_std_nm", b"_now_bit_torque_std_nm", "_number", b"_number", "_quality", b"_quality", "_reasons", b"_reasons", "_stick_in_s", b"_stick_in_s", "_time_ns", b"_time_ns", "_top_speed_rad_s", b"_top_speed_rad_s", "_top_speed_std_rad_s", b"_top_speed_std_rad_s", "_top_torque_nm", b"_top_torque_nm", "_top_torque_std_nm", b"_top_torque_std_nm", "confirmed_bit_speed_rad_s", b"confirmed_bit_speed_rad_s", "confirmed_bit_speed_std_rad_s", b"confirmed_bit_speed_std_rad_s", "confirmed_bit_torque_nm", b"confirmed_bit_torque_nm", "confirmed_bit_torque_std_nm", b"confirmed_bit_torque_std_nm", "confirmed_time_ns", b"confirmed_time_ns", "forecast_bit_speed_rad_s", b"forecast_bit_speed_rad_s", "forecast_bit_speed_std_rad_s", b"forecast_bit_speed_std_rad_s", "forecast_bit_torque_nm", b"forecast_bit_torque_nm", "forecast_bit_torque_std_nm", b"forecast_bit_torque_std_nm", "forecast_time_ns", b"forecast_time_ns", "now_bit_speed_rad_s", b"now_bit_speed_rad_s", "now_bit_speed_std_rad_s", b"now_bit_speed_std_rad_s", "now_bit_torque_nm", b"now_bit_torque_nm", "now_bit_torque_std_nm", b"now_bit_torque_std_nm", "number", b"number", "quality", b"quality", "reasons", b"reasons", "stick_in_s", b"stick_in_s", "time_ns", b"time_ns", "top_speed_rad_s", b"top_speed_rad_s", "top_speed_std_rad_s", b"top_speed_std_rad_s", "top_torque_nm", b"top_torque_nm", "top_torque_std_nm", b"top_torque_std_nm"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_confirmed_bit_speed_rad_s", b"_confirmed_bit_speed_rad_s", "_confirmed_bit_speed_std_rad_s", b"_confirmed_bit_speed_std_rad_s", "_confirmed_bit_torque_nm", b"_confirmed_bit_torque_nm", "_confirmed_bit_torque_std_nm", b"_confirmed_bit_torque_std_nm", "_confirmed_time_ns", b"_confirmed_time_ns", "_forecast_bit_speed_rad_s", b"_forecast_bit_speed_rad_s", "_forecast_bit_speed_std_rad_s", b"_forecast_bit_speed_std_rad_s", "_forecast_bit_torque_nm", b"_forecast_bit_torque_nm", "_forecast_bit_torque_std_nm", b"_forecast_bit_torque_std_nm", "_forecast_shed", b"_forecast_shed", "_forecast_time_ns", b"_forecast_time_ns", "_now_bit_speed_rad_s", b"_now_bit_speed_rad_s", "_now_bit_speed_std_rad_s", b"_now_bit_speed_std_rad_s", "_now_bit_torque_nm", b"_now_bit_torque_nm", "_now_bit_torque_std_nm", b"_now_bit_torque_std_nm", "_number", b"_number", "_quality", b"_quality", "_reasons", b"_reasons", "_stick_in_s", b"_stick_in_s", "_time_ns", b"_time_ns", "_top_speed_rad_s", b"_top_speed_rad_s", "_top_speed_std_rad_s", b"_top_speed_std_rad_s", "_top_torque_nm", b"_top_torque_nm", "_top_torque_std_nm", b"_top_torque_std_nm", "confirmed_bit_speed_rad_s", b"confirmed_bit_speed_rad_s", "confirmed_bit_speed_std_rad_s", b"confirmed_bit_speed_std_rad_s", "confirmed_bit_torque_nm", b"confirmed_bit_torque_nm", "confirmed_bit_torque_std_nm", b"confirmed_bit_torque_std_nm", "confirmed_time_ns", b"confirmed_time_ns", "forecast_bit_speed_rad_s", b"forecast_bit_speed_rad_s", "forecast_bit_speed_std_rad_s", b"forecast_bit_speed_std_rad_s", "forecast_bit_torque_nm", b"forecast_bit_torque_nm", "forecast_bit_torque_std_nm", b"forecast_bit_torque_std_nm", "forecast_shed", b"forecast_shed", "forecast_time_ns", b"forecast_time_ns", "now_bit_speed_rad_s", b"now_bit_speed_rad_s", "now_bit_speed_std_rad_s", b"now_bit_speed_std_rad_s", "now_bit_torque_nm", b"now_bit_torque_nm", "now_bit_torque_std_nm", b"now_bit_torque_std_nm", "number", b"number", "quality", b"quality", "reasons", b"reasons", "stick_in_s", b"stick_in_s", "time_ns", b"time_ns", "top_speed_rad_s", b"top_speed_rad_s", "top_speed_std_rad_s", b"top_speed_std_rad_s", "top_torque_nm", b"top_torque_nm", "top_torque_std_nm", b"top_torque_std_nm"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_confirmed_bit_speed_rad_s", b"_confirmed_bit_speed_rad_s", "_confirmed_bit_speed_std_rad_s", b"_confirmed_bit_speed_std_rad_s", "_confirmed_bit_torque_nm", b"_confirmed_bit_torque_nm", "_confirmed_bit_torque_std_nm", b"_confirmed_bit_torque_std_nm", "_confirmed_time_ns", b"_confirmed_time_ns", "_forecast_bit_speed_rad_s", b"_forecast_bit_speed_rad_s", "_forecast_bit_speed_std_rad_s", b"_forecast_bit_speed_std_rad_s", "_forecast_bit_torque_nm", b"_forecast_bit_torque_nm", "_forecast_bit_torque_std_nm", b"_forecast_bit_torque_std_nm", "_forecast_time_ns", b"_forecast_time_ns", "_now_bit_speed_rad_s", b"_now_bit_speed_rad_s", "_now_bit_speed_std_rad_s", b"_now_bit_speed_std_rad_s", "_now_bit_torque_nm", b"_now_bit_torque_nm", "_now_bit_torque_std_nm", b"_now_bit_torque_std_nm", "_number", b"_number", "_quality", b"_quality", "_reasons", b"_reasons", "_stick_in_s", b"_stick_in_s", "_time_ns", b"_time_ns", "_top_speed_rad_s", b"_top_speed_rad_s", "_top_speed_std_rad_s", b"_top_speed_std_rad_s", "_top_torque_nm", b"_top_torque_nm", "_top_torque_std_nm", b"_top_torque_std_nm", "confirmed_bit_speed_rad_s", b"confirmed_bit_speed_rad_s", "confirmed_bit_speed_std_rad_s", b"confirmed_bit_speed_std_rad_s", "confirmed_bit_torque_nm", b"confirmed_bit_torque_nm", "confirmed_bit_torque_std_nm", b"confirmed_bit_torque_std_nm", "confirmed_time_ns", b"confirmed_time_ns", "forecast_bit_speed_rad_s", b"forecast_bit_speed_rad_s", "forecast_bit_speed_std_rad_s", b"forecast_bit_speed_std_rad_s", "forecast_bit_torque_nm", b"forecast_bit_torque_nm", "forecast_bit_torque_std_nm", b"forecast_bit_torque_std_nm", "forecast_time_ns", b"forecast_time_ns", "now_bit_speed_rad_s", b"now_bit_speed_rad_s", "now_bit_speed_std_rad_s", b"now_bit_speed_std_rad_s", "now_bit_torque_nm", b"now_bit_torque_nm", "now_bit_torque_std_nm", b"now_bit_torque_std_nm", "number", b"number", "quality", b"quality", "reasons", b"reasons", "stick_in_s", b"stick_in_s", "time_ns", b"time_ns", "top_speed_rad_s", b"top_speed_rad_s", "top_speed_std_rad_s", b"top_speed_std_rad_s", "top_torque_nm", b"top_torque_nm", "top_torque_std_nm", b"top_torque_std_nm"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_confirmed_bit_speed_rad_s", b"_confirmed_bit_speed_rad_s", "_confirmed_bit_speed_std_rad_s", b"_confirmed_bit_speed_std_rad_s", "_confirmed_bit_torque_nm", b"_confirmed_bit_torque_nm", "_confirmed_bit_torque_std_nm", b"_confirmed_bit_torque_std_nm", "_confirmed_time_ns", b"_confirmed_time_ns", "_forecast_bit_speed_rad_s", b"_forecast_bit_speed_rad_s", "_forecast_bit_speed_std_rad_s", b"_forecast_bit_speed_std_rad_s", "_forecast_bit_torque_nm", b"_forecast_bit_torque_nm", "_forecast_bit_torque_std_nm", b"_forecast_bit_torque_std_nm", "_forecast_shed", b"_forecast_shed", "_forecast_time_ns", b"_forecast_time_ns", "_now_bit_speed_rad_s", b"_now_bit_speed_rad_s", "_now_bit_speed_std_rad_s", b"_now_bit_speed_std_rad_s", "_now_bit_torque_nm", b"_now_bit_torque_nm", "_now_bit_torque_std_nm", b"_now_bit_torque_std_nm", "_number", b"_number", "_quality", b"_quality", "_reasons", b"_reasons", "_stick_in_s", b"_stick_in_s", "_time_ns", b"_time_ns", "_top_speed_rad_s", b"_top_speed_rad_s", "_top_speed_std_rad_s", b"_top_speed_std_rad_s", "_top_torque_nm", b"_top_torque_nm", "_top_torque_std_nm", b"_top_torque_std_nm", "confirmed_bit_speed_rad_s", b"confirmed_bit_speed_rad_s", "confirmed_bit_speed_std_rad_s", b"confirmed_bit_speed_std_rad_s", "confirmed_bit_torque_nm", b"confirmed_bit_torque_nm", "confirmed_bit_torque_std_nm", b"confirmed_bit_torque_std_nm", "confirmed_time_ns", b"confirmed_time_ns", "forecast_bit_speed_rad_s", b"forecast_bit_speed_rad_s", "forecast_bit_speed_std_rad_s", b"forecast_bit_speed_std_rad_s", "forecast_bit_torque_nm", b"forecast_bit_torque_nm", "forecast_bit_torque_std_nm", b"forecast_bit_torque_std_nm", "forecast_shed", b"forecast_shed", "forecast_time_ns", b"forecast_time_ns", "now_bit_speed_rad_s", b"now_bit_speed_rad_s", "now_bit_speed_std_rad_s", b"now_bit_speed_std_rad_s", "now_bit_torque_nm", b"now_bit_torque_nm", "now_bit_torque_std_nm", b"now_bit_torque_std_nm", "number", b"number", "quality", b"quality", "reasons", b"reasons", "stick_in_s", b"stick_in_s", "time_ns", b"time_ns", "top_speed_rad_s", b"top_speed_rad_s", "top_speed_std_rad_s", b"top_speed_std_rad_s", "top_torque_nm", b"top_torque_nm", "top_torque_std_nm", b"top_torque_std_nm"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__confirmed_bit_speed_rad_s: _TypeAlias = _typing.Literal["confirmed_bit_speed_rad_s"]  # noqa: Y015
     _WhichOneofArgType__confirmed_bit_speed_rad_s: _TypeAlias = _typing.Literal["_confirmed_bit_speed_rad_s", b"_confirmed_bit_speed_rad_s"]  # noqa: Y015
@@ -303,6 +315,8 @@ class Estimate(_message.Message):
     _WhichOneofArgType__forecast_bit_torque_nm: _TypeAlias = _typing.Literal["_forecast_bit_torque_nm", b"_forecast_bit_torque_nm"]  # noqa: Y015
     _WhichOneofReturnType__forecast_bit_torque_std_nm: _TypeAlias = _typing.Literal["forecast_bit_torque_std_nm"]  # noqa: Y015
     _WhichOneofArgType__forecast_bit_torque_std_nm: _TypeAlias = _typing.Literal["_forecast_bit_torque_std_nm", b"_forecast_bit_torque_std_nm"]  # noqa: Y015
+    _WhichOneofReturnType__forecast_shed: _TypeAlias = _typing.Literal["forecast_shed"]  # noqa: Y015
+    _WhichOneofArgType__forecast_shed: _TypeAlias = _typing.Literal["_forecast_shed", b"_forecast_shed"]  # noqa: Y015
     _WhichOneofReturnType__forecast_time_ns: _TypeAlias = _typing.Literal["forecast_time_ns"]  # noqa: Y015
     _WhichOneofArgType__forecast_time_ns: _TypeAlias = _typing.Literal["_forecast_time_ns", b"_forecast_time_ns"]  # noqa: Y015
     _WhichOneofReturnType__now_bit_speed_rad_s: _TypeAlias = _typing.Literal["now_bit_speed_rad_s"]  # noqa: Y015
@@ -349,6 +363,8 @@ class Estimate(_message.Message):
     def WhichOneof(self, oneof_group: _WhichOneofArgType__forecast_bit_torque_nm) -> _WhichOneofReturnType__forecast_bit_torque_nm | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__forecast_bit_torque_std_nm) -> _WhichOneofReturnType__forecast_bit_torque_std_nm | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__forecast_shed) -> _WhichOneofReturnType__forecast_shed | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__forecast_time_ns) -> _WhichOneofReturnType__forecast_time_ns | None: ...
     @_typing.overload
@@ -630,6 +646,42 @@ class ChannelStatus(_message.Message):
 Global___ChannelStatus: _TypeAlias = ChannelStatus  # noqa: Y015
 
 @_typing.final
+class Histogram(_message.Message):
+    """Durations counted since the start, in buckets that are fixed: four to each doubling."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    UPPER_S_FIELD_NUMBER: _builtins.int
+    COUNTS_FIELD_NUMBER: _builtins.int
+    SUM_S_FIELD_NUMBER: _builtins.int
+    sum_s: _builtins.float
+    """of all durations"""
+    @_builtins.property
+    def upper_s(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
+        """each bucket's upper bound, ascending; what is beyond the last counts as well"""
+
+    @_builtins.property
+    def counts(self) -> _containers.RepeatedScalarFieldContainer[_builtins.int]:
+        """one more than bounds: the last bucket has none"""
+
+    def __init__(
+        self,
+        *,
+        upper_s: _abc.Iterable[_builtins.float] | None = ...,
+        counts: _abc.Iterable[_builtins.int] | None = ...,
+        sum_s: _builtins.float | None = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_sum_s", b"_sum_s", "sum_s", b"sum_s"]  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_sum_s", b"_sum_s", "counts", b"counts", "sum_s", b"sum_s", "upper_s", b"upper_s"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    _WhichOneofReturnType__sum_s: _TypeAlias = _typing.Literal["sum_s"]  # noqa: Y015
+    _WhichOneofArgType__sum_s: _TypeAlias = _typing.Literal["_sum_s", b"_sum_s"]  # noqa: Y015
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__sum_s) -> _WhichOneofReturnType__sum_s | None: ...
+
+Global___Histogram: _TypeAlias = Histogram  # noqa: Y015
+
+@_typing.final
 class Status(_message.Message):
     """The daemon's health, once a second."""
 
@@ -684,6 +736,21 @@ class Status(_message.Message):
     STICKS_MISSED_FIELD_NUMBER: _builtins.int
     STICKS_FALSE_FIELD_NUMBER: _builtins.int
     STICK_LEAD_S_FIELD_NUMBER: _builtins.int
+    LATENESS_FIELD_NUMBER: _builtins.int
+    WORK_FIELD_NUMBER: _builtins.int
+    INPUT_AGE_FIELD_NUMBER: _builtins.int
+    PUBLISH_FIELD_NUMBER: _builtins.int
+    INPUT_AGE_P50_S_FIELD_NUMBER: _builtins.int
+    INPUT_AGE_P99_S_FIELD_NUMBER: _builtins.int
+    PUBLISH_P50_S_FIELD_NUMBER: _builtins.int
+    PUBLISH_P99_S_FIELD_NUMBER: _builtins.int
+    REALTIME_FIELD_NUMBER: _builtins.int
+    SCHEDULING_FIELD_NUMBER: _builtins.int
+    PROCESSORS_FIELD_NUMBER: _builtins.int
+    MEMORY_LOCKED_FIELD_NUMBER: _builtins.int
+    LOAD_FIELD_NUMBER: _builtins.int
+    SHED_FIELD_NUMBER: _builtins.int
+    SHEDDINGS_FIELD_NUMBER: _builtins.int
     time_ns: _builtins.int
     """our clock"""
     rig: _builtins.str
@@ -754,8 +821,38 @@ class Status(_message.Message):
     sticks_missed: _builtins.int
     sticks_false: _builtins.int
     stick_lead_s: _builtins.float
+    input_age_p50_s: _builtins.float
+    """of the last second, as lateness and work above"""
+    input_age_p99_s: _builtins.float
+    publish_p50_s: _builtins.float
+    publish_p99_s: _builtins.float
+    realtime: _builtins.str
+    """what was asked of the system: off, prefer, require"""
+    scheduling: _builtins.str
+    """what the loop's thread has: SCHED_OTHER, or SCHED_FIFO and its priority"""
+    processors: _builtins.str
+    """those that it may run on, such as 1,3"""
+    memory_locked: _builtins.bool
+    load: _builtins.float
+    """share of the last second that the loop worked"""
+    shed: _builtins.int
+    """what the loop leaves out to keep up: 0 nothing, 1 profile, 2 forecast too"""
+    sheddings: _builtins.int
+    """how often it began to leave something out"""
     @_builtins.property
     def channels(self) -> _containers.RepeatedCompositeFieldContainer[Global___ChannelStatus]: ...
+    @_builtins.property
+    def lateness(self) -> Global___Histogram:
+        """Of each turn of the loop: wake-up after the deadline, work, age of the older channel's newest sample by our
+        monotonic clock, time spent on handing messages to the bus.
+        """
+
+    @_builtins.property
+    def work(self) -> Global___Histogram: ...
+    @_builtins.property
+    def input_age(self) -> Global___Histogram: ...
+    @_builtins.property
+    def publish(self) -> Global___Histogram: ...
     def __init__(
         self,
         *,
@@ -808,10 +905,25 @@ class Status(_message.Message):
         sticks_missed: _builtins.int | None = ...,
         sticks_false: _builtins.int | None = ...,
         stick_lead_s: _builtins.float | None = ...,
+        lateness: Global___Histogram | None = ...,
+        work: Global___Histogram | None = ...,
+        input_age: Global___Histogram | None = ...,
+        publish: Global___Histogram | None = ...,
+        input_age_p50_s: _builtins.float | None = ...,
+        input_age_p99_s: _builtins.float | None = ...,
+        publish_p50_s: _builtins.float | None = ...,
+        publish_p99_s: _builtins.float | None = ...,
+        realtime: _builtins.str | None = ...,
+        scheduling: _builtins.str | None = ...,
+        processors: _builtins.str | None = ...,
+        memory_locked: _builtins.bool | None = ...,
+        load: _builtins.float | None = ...,
+        shed: _builtins.int | None = ...,
+        sheddings: _builtins.int | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_back_rotation_share", b"_back_rotation_share", "_back_rotation_turns", b"_back_rotation_turns", "_bandwidth_hz", b"_bandwidth_hz", "_bit_power_w", b"_bit_power_w", "_confirmed_delay_s", b"_confirmed_delay_s", "_delay_correction", b"_delay_correction", "_delay_correction_std", b"_delay_correction_std", "_forecast_horizon_s", b"_forecast_horizon_s", "_friction_correction", b"_friction_correction", "_friction_correction_std", b"_friction_correction_std", "_inertia_correction", b"_inertia_correction", "_inertia_correction_std", b"_inertia_correction_std", "_lateness_p50_s", b"_lateness_p50_s", "_lateness_p99_s", b"_lateness_p99_s", "_law_kinetic_nm", b"_law_kinetic_nm", "_law_static_nm", b"_law_static_nm", "_law_stribeck_rad_s", b"_law_stribeck_rad_s", "_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad", "_lost_power_w", b"_lost_power_w", "_off_bottom", b"_off_bottom", "_published", b"_published", "_rate_hz", b"_rate_hz", "_recorded", b"_recorded", "_recorder_dropped", b"_recorder_dropped", "_recording", b"_recording", "_restarts", b"_restarts", "_rig", b"_rig", "_rock_std_nm", b"_rock_std_nm", "_severity", b"_severity", "_severity_window_s", b"_severity_window_s", "_slots_due", b"_slots_due", "_slots_run", b"_slots_run", "_slots_skipped", b"_slots_skipped", "_state", b"_state", "_stick_lead_s", b"_stick_lead_s", "_stick_slip_period_s", b"_stick_slip_period_s", "_sticks_false", b"_sticks_false", "_sticks_foretold", b"_sticks_foretold", "_sticks_missed", b"_sticks_missed", "_string_length_m", b"_string_length_m", "_stuck_share", b"_stuck_share", "_ticks", b"_ticks", "_time_ns", b"_time_ns", "_top_power_w", b"_top_power_w", "_uptime_s", b"_uptime_s", "_version", b"_version", "_work_p50_s", b"_work_p50_s", "_work_p99_s", b"_work_p99_s", "back_rotation_share", b"back_rotation_share", "back_rotation_turns", b"back_rotation_turns", "bandwidth_hz", b"bandwidth_hz", "bit_power_w", b"bit_power_w", "confirmed_delay_s", b"confirmed_delay_s", "delay_correction", b"delay_correction", "delay_correction_std", b"delay_correction_std", "forecast_horizon_s", b"forecast_horizon_s", "friction_correction", b"friction_correction", "friction_correction_std", b"friction_correction_std", "inertia_correction", b"inertia_correction", "inertia_correction_std", b"inertia_correction_std", "lateness_p50_s", b"lateness_p50_s", "lateness_p99_s", b"lateness_p99_s", "law_kinetic_nm", b"law_kinetic_nm", "law_static_nm", b"law_static_nm", "law_stribeck_rad_s", b"law_stribeck_rad_s", "law_viscous_nm_s_rad", b"law_viscous_nm_s_rad", "lost_power_w", b"lost_power_w", "off_bottom", b"off_bottom", "published", b"published", "rate_hz", b"rate_hz", "recorded", b"recorded", "recorder_dropped", b"recorder_dropped", "recording", b"recording", "restarts", b"restarts", "rig", b"rig", "rock_std_nm", b"rock_std_nm", "severity", b"severity", "severity_window_s", b"severity_window_s", "slots_due", b"slots_due", "slots_run", b"slots_run", "slots_skipped", b"slots_skipped", "state", b"state", "stick_lead_s", b"stick_lead_s", "stick_slip_period_s", b"stick_slip_period_s", "sticks_false", b"sticks_false", "sticks_foretold", b"sticks_foretold", "sticks_missed", b"sticks_missed", "string_length_m", b"string_length_m", "stuck_share", b"stuck_share", "ticks", b"ticks", "time_ns", b"time_ns", "top_power_w", b"top_power_w", "uptime_s", b"uptime_s", "version", b"version", "work_p50_s", b"work_p50_s", "work_p99_s", b"work_p99_s"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_back_rotation_share", b"_back_rotation_share", "_back_rotation_turns", b"_back_rotation_turns", "_bandwidth_hz", b"_bandwidth_hz", "_bit_power_w", b"_bit_power_w", "_confirmed_delay_s", b"_confirmed_delay_s", "_delay_correction", b"_delay_correction", "_delay_correction_std", b"_delay_correction_std", "_forecast_horizon_s", b"_forecast_horizon_s", "_friction_correction", b"_friction_correction", "_friction_correction_std", b"_friction_correction_std", "_inertia_correction", b"_inertia_correction", "_inertia_correction_std", b"_inertia_correction_std", "_input_age", b"_input_age", "_input_age_p50_s", b"_input_age_p50_s", "_input_age_p99_s", b"_input_age_p99_s", "_lateness", b"_lateness", "_lateness_p50_s", b"_lateness_p50_s", "_lateness_p99_s", b"_lateness_p99_s", "_law_kinetic_nm", b"_law_kinetic_nm", "_law_static_nm", b"_law_static_nm", "_law_stribeck_rad_s", b"_law_stribeck_rad_s", "_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad", "_load", b"_load", "_lost_power_w", b"_lost_power_w", "_memory_locked", b"_memory_locked", "_off_bottom", b"_off_bottom", "_processors", b"_processors", "_publish", b"_publish", "_publish_p50_s", b"_publish_p50_s", "_publish_p99_s", b"_publish_p99_s", "_published", b"_published", "_rate_hz", b"_rate_hz", "_realtime", b"_realtime", "_recorded", b"_recorded", "_recorder_dropped", b"_recorder_dropped", "_recording", b"_recording", "_restarts", b"_restarts", "_rig", b"_rig", "_rock_std_nm", b"_rock_std_nm", "_scheduling", b"_scheduling", "_severity", b"_severity", "_severity_window_s", b"_severity_window_s", "_shed", b"_shed", "_sheddings", b"_sheddings", "_slots_due", b"_slots_due", "_slots_run", b"_slots_run", "_slots_skipped", b"_slots_skipped", "_state", b"_state", "_stick_lead_s", b"_stick_lead_s", "_stick_slip_period_s", b"_stick_slip_period_s", "_sticks_false", b"_sticks_false", "_sticks_foretold", b"_sticks_foretold", "_sticks_missed", b"_sticks_missed", "_string_length_m", b"_string_length_m", "_stuck_share", b"_stuck_share", "_ticks", b"_ticks", "_time_ns", b"_time_ns", "_top_power_w", b"_top_power_w", "_uptime_s", b"_uptime_s", "_version", b"_version", "_work", b"_work", "_work_p50_s", b"_work_p50_s", "_work_p99_s", b"_work_p99_s", "back_rotation_share", b"back_rotation_share", "back_rotation_turns", b"back_rotation_turns", "bandwidth_hz", b"bandwidth_hz", "bit_power_w", b"bit_power_w", "confirmed_delay_s", b"confirmed_delay_s", "delay_correction", b"delay_correction", "delay_correction_std", b"delay_correction_std", "forecast_horizon_s", b"forecast_horizon_s", "friction_correction", b"friction_correction", "friction_correction_std", b"friction_correction_std", "inertia_correction", b"inertia_correction", "inertia_correction_std", b"inertia_correction_std", "input_age", b"input_age", "input_age_p50_s", b"input_age_p50_s", "input_age_p99_s", b"input_age_p99_s", "lateness", b"lateness", "lateness_p50_s", b"lateness_p50_s", "lateness_p99_s", b"lateness_p99_s", "law_kinetic_nm", b"law_kinetic_nm", "law_static_nm", b"law_static_nm", "law_stribeck_rad_s", b"law_stribeck_rad_s", "law_viscous_nm_s_rad", b"law_viscous_nm_s_rad", "load", b"load", "lost_power_w", b"lost_power_w", "memory_locked", b"memory_locked", "off_bottom", b"off_bottom", "processors", b"processors", "publish", b"publish", "publish_p50_s", b"publish_p50_s", "publish_p99_s", b"publish_p99_s", "published", b"published", "rate_hz", b"rate_hz", "realtime", b"realtime", "recorded", b"recorded", "recorder_dropped", b"recorder_dropped", "recording", b"recording", "restarts", b"restarts", "rig", b"rig", "rock_std_nm", b"rock_std_nm", "scheduling", b"scheduling", "severity", b"severity", "severity_window_s", b"severity_window_s", "shed", b"shed", "sheddings", b"sheddings", "slots_due", b"slots_due", "slots_run", b"slots_run", "slots_skipped", b"slots_skipped", "state", b"state", "stick_lead_s", b"stick_lead_s", "stick_slip_period_s", b"stick_slip_period_s", "sticks_false", b"sticks_false", "sticks_foretold", b"sticks_foretold", "sticks_missed", b"sticks_missed", "string_length_m", b"string_length_m", "stuck_share", b"stuck_share", "ticks", b"ticks", "time_ns", b"time_ns", "top_power_w", b"top_power_w", "uptime_s", b"uptime_s", "version", b"version", "work", b"work", "work_p50_s", b"work_p50_s", "work_p99_s", b"work_p99_s"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_back_rotation_share", b"_back_rotation_share", "_back_rotation_turns", b"_back_rotation_turns", "_bandwidth_hz", b"_bandwidth_hz", "_bit_power_w", b"_bit_power_w", "_confirmed_delay_s", b"_confirmed_delay_s", "_delay_correction", b"_delay_correction", "_delay_correction_std", b"_delay_correction_std", "_forecast_horizon_s", b"_forecast_horizon_s", "_friction_correction", b"_friction_correction", "_friction_correction_std", b"_friction_correction_std", "_inertia_correction", b"_inertia_correction", "_inertia_correction_std", b"_inertia_correction_std", "_lateness_p50_s", b"_lateness_p50_s", "_lateness_p99_s", b"_lateness_p99_s", "_law_kinetic_nm", b"_law_kinetic_nm", "_law_static_nm", b"_law_static_nm", "_law_stribeck_rad_s", b"_law_stribeck_rad_s", "_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad", "_lost_power_w", b"_lost_power_w", "_off_bottom", b"_off_bottom", "_published", b"_published", "_rate_hz", b"_rate_hz", "_recorded", b"_recorded", "_recorder_dropped", b"_recorder_dropped", "_recording", b"_recording", "_restarts", b"_restarts", "_rig", b"_rig", "_rock_std_nm", b"_rock_std_nm", "_severity", b"_severity", "_severity_window_s", b"_severity_window_s", "_slots_due", b"_slots_due", "_slots_run", b"_slots_run", "_slots_skipped", b"_slots_skipped", "_state", b"_state", "_stick_lead_s", b"_stick_lead_s", "_stick_slip_period_s", b"_stick_slip_period_s", "_sticks_false", b"_sticks_false", "_sticks_foretold", b"_sticks_foretold", "_sticks_missed", b"_sticks_missed", "_string_length_m", b"_string_length_m", "_stuck_share", b"_stuck_share", "_ticks", b"_ticks", "_time_ns", b"_time_ns", "_top_power_w", b"_top_power_w", "_uptime_s", b"_uptime_s", "_version", b"_version", "_work_p50_s", b"_work_p50_s", "_work_p99_s", b"_work_p99_s", "back_rotation_share", b"back_rotation_share", "back_rotation_turns", b"back_rotation_turns", "bandwidth_hz", b"bandwidth_hz", "bit_power_w", b"bit_power_w", "channels", b"channels", "confirmed_delay_s", b"confirmed_delay_s", "delay_correction", b"delay_correction", "delay_correction_std", b"delay_correction_std", "forecast_horizon_s", b"forecast_horizon_s", "friction_correction", b"friction_correction", "friction_correction_std", b"friction_correction_std", "inertia_correction", b"inertia_correction", "inertia_correction_std", b"inertia_correction_std", "lateness_p50_s", b"lateness_p50_s", "lateness_p99_s", b"lateness_p99_s", "law_kinetic_nm", b"law_kinetic_nm", "law_static_nm", b"law_static_nm", "law_stribeck_rad_s", b"law_stribeck_rad_s", "law_viscous_nm_s_rad", b"law_viscous_nm_s_rad", "lost_power_w", b"lost_power_w", "off_bottom", b"off_bottom", "published", b"published", "rate_hz", b"rate_hz", "recorded", b"recorded", "recorder_dropped", b"recorder_dropped", "recording", b"recording", "restarts", b"restarts", "rig", b"rig", "rock_std_nm", b"rock_std_nm", "severity", b"severity", "severity_window_s", b"severity_window_s", "slots_due", b"slots_due", "slots_run", b"slots_run", "slots_skipped", b"slots_skipped", "state", b"state", "stick_lead_s", b"stick_lead_s", "stick_slip_period_s", b"stick_slip_period_s", "sticks_false", b"sticks_false", "sticks_foretold", b"sticks_foretold", "sticks_missed", b"sticks_missed", "string_length_m", b"string_length_m", "stuck_share", b"stuck_share", "ticks", b"ticks", "time_ns", b"time_ns", "top_power_w", b"top_power_w", "uptime_s", b"uptime_s", "version", b"version", "work_p50_s", b"work_p50_s", "work_p99_s", b"work_p99_s"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_back_rotation_share", b"_back_rotation_share", "_back_rotation_turns", b"_back_rotation_turns", "_bandwidth_hz", b"_bandwidth_hz", "_bit_power_w", b"_bit_power_w", "_confirmed_delay_s", b"_confirmed_delay_s", "_delay_correction", b"_delay_correction", "_delay_correction_std", b"_delay_correction_std", "_forecast_horizon_s", b"_forecast_horizon_s", "_friction_correction", b"_friction_correction", "_friction_correction_std", b"_friction_correction_std", "_inertia_correction", b"_inertia_correction", "_inertia_correction_std", b"_inertia_correction_std", "_input_age", b"_input_age", "_input_age_p50_s", b"_input_age_p50_s", "_input_age_p99_s", b"_input_age_p99_s", "_lateness", b"_lateness", "_lateness_p50_s", b"_lateness_p50_s", "_lateness_p99_s", b"_lateness_p99_s", "_law_kinetic_nm", b"_law_kinetic_nm", "_law_static_nm", b"_law_static_nm", "_law_stribeck_rad_s", b"_law_stribeck_rad_s", "_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad", "_load", b"_load", "_lost_power_w", b"_lost_power_w", "_memory_locked", b"_memory_locked", "_off_bottom", b"_off_bottom", "_processors", b"_processors", "_publish", b"_publish", "_publish_p50_s", b"_publish_p50_s", "_publish_p99_s", b"_publish_p99_s", "_published", b"_published", "_rate_hz", b"_rate_hz", "_realtime", b"_realtime", "_recorded", b"_recorded", "_recorder_dropped", b"_recorder_dropped", "_recording", b"_recording", "_restarts", b"_restarts", "_rig", b"_rig", "_rock_std_nm", b"_rock_std_nm", "_scheduling", b"_scheduling", "_severity", b"_severity", "_severity_window_s", b"_severity_window_s", "_shed", b"_shed", "_sheddings", b"_sheddings", "_slots_due", b"_slots_due", "_slots_run", b"_slots_run", "_slots_skipped", b"_slots_skipped", "_state", b"_state", "_stick_lead_s", b"_stick_lead_s", "_stick_slip_period_s", b"_stick_slip_period_s", "_sticks_false", b"_sticks_false", "_sticks_foretold", b"_sticks_foretold", "_sticks_missed", b"_sticks_missed", "_string_length_m", b"_string_length_m", "_stuck_share", b"_stuck_share", "_ticks", b"_ticks", "_time_ns", b"_time_ns", "_top_power_w", b"_top_power_w", "_uptime_s", b"_uptime_s", "_version", b"_version", "_work", b"_work", "_work_p50_s", b"_work_p50_s", "_work_p99_s", b"_work_p99_s", "back_rotation_share", b"back_rotation_share", "back_rotation_turns", b"back_rotation_turns", "bandwidth_hz", b"bandwidth_hz", "bit_power_w", b"bit_power_w", "channels", b"channels", "confirmed_delay_s", b"confirmed_delay_s", "delay_correction", b"delay_correction", "delay_correction_std", b"delay_correction_std", "forecast_horizon_s", b"forecast_horizon_s", "friction_correction", b"friction_correction", "friction_correction_std", b"friction_correction_std", "inertia_correction", b"inertia_correction", "inertia_correction_std", b"inertia_correction_std", "input_age", b"input_age", "input_age_p50_s", b"input_age_p50_s", "input_age_p99_s", b"input_age_p99_s", "lateness", b"lateness", "lateness_p50_s", b"lateness_p50_s", "lateness_p99_s", b"lateness_p99_s", "law_kinetic_nm", b"law_kinetic_nm", "law_static_nm", b"law_static_nm", "law_stribeck_rad_s", b"law_stribeck_rad_s", "law_viscous_nm_s_rad", b"law_viscous_nm_s_rad", "load", b"load", "lost_power_w", b"lost_power_w", "memory_locked", b"memory_locked", "off_bottom", b"off_bottom", "processors", b"processors", "publish", b"publish", "publish_p50_s", b"publish_p50_s", "publish_p99_s", b"publish_p99_s", "published", b"published", "rate_hz", b"rate_hz", "realtime", b"realtime", "recorded", b"recorded", "recorder_dropped", b"recorder_dropped", "recording", b"recording", "restarts", b"restarts", "rig", b"rig", "rock_std_nm", b"rock_std_nm", "scheduling", b"scheduling", "severity", b"severity", "severity_window_s", b"severity_window_s", "shed", b"shed", "sheddings", b"sheddings", "slots_due", b"slots_due", "slots_run", b"slots_run", "slots_skipped", b"slots_skipped", "state", b"state", "stick_lead_s", b"stick_lead_s", "stick_slip_period_s", b"stick_slip_period_s", "sticks_false", b"sticks_false", "sticks_foretold", b"sticks_foretold", "sticks_missed", b"sticks_missed", "string_length_m", b"string_length_m", "stuck_share", b"stuck_share", "ticks", b"ticks", "time_ns", b"time_ns", "top_power_w", b"top_power_w", "uptime_s", b"uptime_s", "version", b"version", "work", b"work", "work_p50_s", b"work_p50_s", "work_p99_s", b"work_p99_s"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__back_rotation_share: _TypeAlias = _typing.Literal["back_rotation_share"]  # noqa: Y015
     _WhichOneofArgType__back_rotation_share: _TypeAlias = _typing.Literal["_back_rotation_share", b"_back_rotation_share"]  # noqa: Y015
@@ -837,6 +949,14 @@ class Status(_message.Message):
     _WhichOneofArgType__inertia_correction: _TypeAlias = _typing.Literal["_inertia_correction", b"_inertia_correction"]  # noqa: Y015
     _WhichOneofReturnType__inertia_correction_std: _TypeAlias = _typing.Literal["inertia_correction_std"]  # noqa: Y015
     _WhichOneofArgType__inertia_correction_std: _TypeAlias = _typing.Literal["_inertia_correction_std", b"_inertia_correction_std"]  # noqa: Y015
+    _WhichOneofReturnType__input_age: _TypeAlias = _typing.Literal["input_age"]  # noqa: Y015
+    _WhichOneofArgType__input_age: _TypeAlias = _typing.Literal["_input_age", b"_input_age"]  # noqa: Y015
+    _WhichOneofReturnType__input_age_p50_s: _TypeAlias = _typing.Literal["input_age_p50_s"]  # noqa: Y015
+    _WhichOneofArgType__input_age_p50_s: _TypeAlias = _typing.Literal["_input_age_p50_s", b"_input_age_p50_s"]  # noqa: Y015
+    _WhichOneofReturnType__input_age_p99_s: _TypeAlias = _typing.Literal["input_age_p99_s"]  # noqa: Y015
+    _WhichOneofArgType__input_age_p99_s: _TypeAlias = _typing.Literal["_input_age_p99_s", b"_input_age_p99_s"]  # noqa: Y015
+    _WhichOneofReturnType__lateness: _TypeAlias = _typing.Literal["lateness"]  # noqa: Y015
+    _WhichOneofArgType__lateness: _TypeAlias = _typing.Literal["_lateness", b"_lateness"]  # noqa: Y015
     _WhichOneofReturnType__lateness_p50_s: _TypeAlias = _typing.Literal["lateness_p50_s"]  # noqa: Y015
     _WhichOneofArgType__lateness_p50_s: _TypeAlias = _typing.Literal["_lateness_p50_s", b"_lateness_p50_s"]  # noqa: Y015
     _WhichOneofReturnType__lateness_p99_s: _TypeAlias = _typing.Literal["lateness_p99_s"]  # noqa: Y015
@@ -849,14 +969,28 @@ class Status(_message.Message):
     _WhichOneofArgType__law_stribeck_rad_s: _TypeAlias = _typing.Literal["_law_stribeck_rad_s", b"_law_stribeck_rad_s"]  # noqa: Y015
     _WhichOneofReturnType__law_viscous_nm_s_rad: _TypeAlias = _typing.Literal["law_viscous_nm_s_rad"]  # noqa: Y015
     _WhichOneofArgType__law_viscous_nm_s_rad: _TypeAlias = _typing.Literal["_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad"]  # noqa: Y015
+    _WhichOneofReturnType__load: _TypeAlias = _typing.Literal["load"]  # noqa: Y015
+    _WhichOneofArgType__load: _TypeAlias = _typing.Literal["_load", b"_load"]  # noqa: Y015
     _WhichOneofReturnType__lost_power_w: _TypeAlias = _typing.Literal["lost_power_w"]  # noqa: Y015
     _WhichOneofArgType__lost_power_w: _TypeAlias = _typing.Literal["_lost_power_w", b"_lost_power_w"]  # noqa: Y015
+    _WhichOneofReturnType__memory_locked: _TypeAlias = _typing.Literal["memory_locked"]  # noqa: Y015
+    _WhichOneofArgType__memory_locked: _TypeAlias = _typing.Literal["_memory_locked", b"_memory_locked"]  # noqa: Y015
     _WhichOneofReturnType__off_bottom: _TypeAlias = _typing.Literal["off_bottom"]  # noqa: Y015
     _WhichOneofArgType__off_bottom: _TypeAlias = _typing.Literal["_off_bottom", b"_off_bottom"]  # noqa: Y015
+    _WhichOneofReturnType__processors: _TypeAlias = _typing.Literal["processors"]  # noqa: Y015
+    _WhichOneofArgType__processors: _TypeAlias = _typing.Literal["_processors", b"_processors"]  # noqa: Y015
+    _WhichOneofReturnType__publish: _TypeAlias = _typing.Literal["publish"]  # noqa: Y015
+    _WhichOneofArgType__publish: _TypeAlias = _typing.Literal["_publish", b"_publish"]  # noqa: Y015
+    _WhichOneofReturnType__publish_p50_s: _TypeAlias = _typing.Literal["publish_p50_s"]  # noqa: Y015
+    _WhichOneofArgType__publish_p50_s: _TypeAlias = _typing.Literal["_publish_p50_s", b"_publish_p50_s"]  # noqa: Y015
+    _WhichOneofReturnType__publish_p99_s: _TypeAlias = _typing.Literal["publish_p99_s"]  # noqa: Y015
+    _WhichOneofArgType__publish_p99_s: _TypeAlias = _typing.Literal["_publish_p99_s", b"_publish_p99_s"]  # noqa: Y015
     _WhichOneofReturnType__published: _TypeAlias = _typing.Literal["published"]  # noqa: Y015
     _WhichOneofArgType__published: _TypeAlias = _typing.Literal["_published", b"_published"]  # noqa: Y015
     _WhichOneofReturnType__rate_hz: _TypeAlias = _typing.Literal["rate_hz"]  # noqa: Y015
     _WhichOneofArgType__rate_hz: _TypeAlias = _typing.Literal["_rate_hz", b"_rate_hz"]  # noqa: Y015
+    _WhichOneofReturnType__realtime: _TypeAlias = _typing.Literal["realtime"]  # noqa: Y015
+    _WhichOneofArgType__realtime: _TypeAlias = _typing.Literal["_realtime", b"_realtime"]  # noqa: Y015
     _WhichOneofReturnType__recorded: _TypeAlias = _typing.Literal["recorded"]  # noqa: Y015
     _WhichOneofArgType__recorded: _TypeAlias = _typing.Literal["_recorded", b"_recorded"]  # noqa: Y015
     _WhichOneofReturnType__recorder_dropped: _TypeAlias = _typing.Literal["recorder_dropped"]  # noqa: Y015
@@ -869,10 +1003,16 @@ class Status(_message.Message):
     _WhichOneofArgType__rig: _TypeAlias = _typing.Literal["_rig", b"_rig"]  # noqa: Y015
     _WhichOneofReturnType__rock_std_nm: _TypeAlias = _typing.Literal["rock_std_nm"]  # noqa: Y015
     _WhichOneofArgType__rock_std_nm: _TypeAlias = _typing.Literal["_rock_std_nm", b"_rock_std_nm"]  # noqa: Y015
+    _WhichOneofReturnType__scheduling: _TypeAlias = _typing.Literal["scheduling"]  # noqa: Y015
+    _WhichOneofArgType__scheduling: _TypeAlias = _typing.Literal["_scheduling", b"_scheduling"]  # noqa: Y015
     _WhichOneofReturnType__severity: _TypeAlias = _typing.Literal["severity"]  # noqa: Y015
     _WhichOneofArgType__severity: _TypeAlias = _typing.Literal["_severity", b"_severity"]  # noqa: Y015
     _WhichOneofReturnType__severity_window_s: _TypeAlias = _typing.Literal["severity_window_s"]  # noqa: Y015
     _WhichOneofArgType__severity_window_s: _TypeAlias = _typing.Literal["_severity_window_s", b"_severity_window_s"]  # noqa: Y015
+    _WhichOneofReturnType__shed: _TypeAlias = _typing.Literal["shed"]  # noqa: Y015
+    _WhichOneofArgType__shed: _TypeAlias = _typing.Literal["_shed", b"_shed"]  # noqa: Y015
+    _WhichOneofReturnType__sheddings: _TypeAlias = _typing.Literal["sheddings"]  # noqa: Y015
+    _WhichOneofArgType__sheddings: _TypeAlias = _typing.Literal["_sheddings", b"_sheddings"]  # noqa: Y015
     _WhichOneofReturnType__slots_due: _TypeAlias = _typing.Literal["slots_due"]  # noqa: Y015
     _WhichOneofArgType__slots_due: _TypeAlias = _typing.Literal["_slots_due", b"_slots_due"]  # noqa: Y015
     _WhichOneofReturnType__slots_run: _TypeAlias = _typing.Literal["slots_run"]  # noqa: Y015
@@ -905,6 +1045,8 @@ class Status(_message.Message):
     _WhichOneofArgType__uptime_s: _TypeAlias = _typing.Literal["_uptime_s", b"_uptime_s"]  # noqa: Y015
     _WhichOneofReturnType__version: _TypeAlias = _typing.Literal["version"]  # noqa: Y015
     _WhichOneofArgType__version: _TypeAlias = _typing.Literal["_version", b"_version"]  # noqa: Y015
+    _WhichOneofReturnType__work: _TypeAlias = _typing.Literal["work"]  # noqa: Y015
+    _WhichOneofArgType__work: _TypeAlias = _typing.Literal["_work", b"_work"]  # noqa: Y015
     _WhichOneofReturnType__work_p50_s: _TypeAlias = _typing.Literal["work_p50_s"]  # noqa: Y015
     _WhichOneofArgType__work_p50_s: _TypeAlias = _typing.Literal["_work_p50_s", b"_work_p50_s"]  # noqa: Y015
     _WhichOneofReturnType__work_p99_s: _TypeAlias = _typing.Literal["work_p99_s"]  # noqa: Y015
@@ -934,6 +1076,14 @@ class Status(_message.Message):
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__inertia_correction_std) -> _WhichOneofReturnType__inertia_correction_std | None: ...
     @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__input_age) -> _WhichOneofReturnType__input_age | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__input_age_p50_s) -> _WhichOneofReturnType__input_age_p50_s | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__input_age_p99_s) -> _WhichOneofReturnType__input_age_p99_s | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__lateness) -> _WhichOneofReturnType__lateness | None: ...
+    @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__lateness_p50_s) -> _WhichOneofReturnType__lateness_p50_s | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__lateness_p99_s) -> _WhichOneofReturnType__lateness_p99_s | None: ...
@@ -946,13 +1096,27 @@ class Status(_message.Message):
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__law_viscous_nm_s_rad) -> _WhichOneofReturnType__law_viscous_nm_s_rad | None: ...
     @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__load) -> _WhichOneofReturnType__load | None: ...
+    @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__lost_power_w) -> _WhichOneofReturnType__lost_power_w | None: ...
     @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__memory_locked) -> _WhichOneofReturnType__memory_locked | None: ...
+    @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__off_bottom) -> _WhichOneofReturnType__off_bottom | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__processors) -> _WhichOneofReturnType__processors | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__publish) -> _WhichOneofReturnType__publish | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__publish_p50_s) -> _WhichOneofReturnType__publish_p50_s | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__publish_p99_s) -> _WhichOneofReturnType__publish_p99_s | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__published) -> _WhichOneofReturnType__published | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__rate_hz) -> _WhichOneofReturnType__rate_hz | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__realtime) -> _WhichOneofReturnType__realtime | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__recorded) -> _WhichOneofReturnType__recorded | None: ...
     @_typing.overload
@@ -966,9 +1130,15 @@ class Status(_message.Message):
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__rock_std_nm) -> _WhichOneofReturnType__rock_std_nm | None: ...
     @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__scheduling) -> _WhichOneofReturnType__scheduling | None: ...
+    @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__severity) -> _WhichOneofReturnType__severity | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__severity_window_s) -> _WhichOneofReturnType__severity_window_s | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__shed) -> _WhichOneofReturnType__shed | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__sheddings) -> _WhichOneofReturnType__sheddings | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__slots_due) -> _WhichOneofReturnType__slots_due | None: ...
     @_typing.overload
@@ -1001,6 +1171,8 @@ class Status(_message.Message):
     def WhichOneof(self, oneof_group: _WhichOneofArgType__uptime_s) -> _WhichOneofReturnType__uptime_s | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__version) -> _WhichOneofReturnType__version | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__work) -> _WhichOneofReturnType__work | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__work_p50_s) -> _WhichOneofReturnType__work_p50_s | None: ...
     @_typing.overload

@@ -1,7 +1,7 @@
 """The recorder's process: takes packets off the socket at once, writes them to the disk in its own time.
 
-Started by `recorder.Recorder` as `python -m vsensor.recording.process FD`, with what to write (the
-arguments of SessionWriter) as JSON on its standard input. Ends when the daemon closes the socket or
+Started by `recorder.Recorder` as `python -m vsensor.recording.process FD PROCESSORS`, with what to write
+(the arguments of SessionWriter) as JSON on its standard input. Ends when the daemon closes the socket or
 dies: either way the file is completed.
 """
 
@@ -13,7 +13,7 @@ import socket
 import sys
 import threading
 import time
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
 from vsensor.errors import VsensorError
@@ -125,10 +125,10 @@ class Clerk:
         _tell(self._socket, str(error))
 
 
-def main(descriptor: int) -> int:
+def main(descriptor: int, processors: Collection[int]) -> int:
     """Record until the daemon ends; 0 where the session was completed, 1 where it could not be."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _step_back()
+    _step_back(processors)
     feed = socket.socket(fileno=descriptor)
     order = json.load(sys.stdin)
     try:
@@ -196,11 +196,14 @@ def _say(text: str) -> None:
         sys.stderr.flush()
 
 
-def _step_back() -> None:
-    """Give up a real-time priority that the daemon handed down: the loop's time is not for writing files."""
+def _step_back(processors: Collection[int]) -> None:
+    """Give up what the loop's thread handed down: its processor and priority are not for writing files."""
+    if processors:
+        with contextlib.suppress(OSError):
+            os.sched_setaffinity(0, processors)
     with contextlib.suppress(OSError):
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
 
 
 if __name__ == "__main__":
-    sys.exit(main(int(sys.argv[1])))
+    sys.exit(main(int(sys.argv[1]), [int(number) for number in sys.argv[2].split(",") if number]))

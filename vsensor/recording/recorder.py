@@ -12,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
 from vsensor.errors import InputError, VsensorError
@@ -32,11 +32,18 @@ _SO_SNDBUFFORCE = 32  # linux/socket.h; Python does not name it
 class Recorder:
     """A recording under way: `offer` each message, `send` once per slot of the loop, `close` at the end.
 
-    Raises InputError where the session cannot be created. Not for several threads at once.
+    Its process runs on `processors`, by default on those of the caller. Raises InputError where the
+    session cannot be created. Not for several threads at once.
     """
 
     def __init__(
-        self, path: Path, *, configuration: str, metadata: Mapping[str, str], compression: Compression
+        self,
+        path: Path,
+        *,
+        configuration: str,
+        metadata: Mapping[str, str],
+        compression: Compression,
+        processors: Collection[int] = (),
     ) -> None:
         self.path = str(path)
         self.sent = 0
@@ -57,7 +64,7 @@ class Recorder:
             "metadata": dict(metadata),
             "compression": compression,
         }
-        self._socket, self._process = _start(order)
+        self._socket, self._process = _start(order, processors)
 
     def offer(self, topic: str, data: bytes, log_time_ns: int, publish_time_ns: int) -> None:
         """Add a message to this slot's packet; one of a topic that has no schema counts as dropped."""
@@ -168,7 +175,9 @@ class Recorder:
         )
 
 
-def _start(order: Mapping[str, object]) -> tuple[socket.socket, subprocess.Popen[bytes]]:
+def _start(
+    order: Mapping[str, object], processors: Collection[int]
+) -> tuple[socket.socket, subprocess.Popen[bytes]]:
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     _enlarge(ours)
     with theirs, tempfile.TemporaryFile() as stdin:
@@ -177,7 +186,10 @@ def _start(order: Mapping[str, object]) -> tuple[socket.socket, subprocess.Popen
         # A session (setsid) of its own: Ctrl-C at the terminal must not end the recorder before
         # the daemon has said its last. -P keeps the folder we run in off its module path.
         process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "vsensor.recording.process", str(theirs.fileno())],
+            [
+                *(sys.executable, "-P", "-m", "vsensor.recording.process"),
+                *(str(theirs.fileno()), ",".join(map(str, processors))),
+            ],
             stdin=stdin,
             stdout=subprocess.DEVNULL,
             pass_fds=(theirs.fileno(),),

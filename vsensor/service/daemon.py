@@ -1,14 +1,12 @@
 """The daemon: drain what has come, step, publish, record, and never wait for anyone."""
 
-import gc
-import sys
 import time
 from collections.abc import Callable, Iterator
 from typing import Protocol
 
 import zenoh
 
-from vsensor.bus import Commands, Outbox, Received, SurfaceInbox
+from vsensor.bus import Outbox, Questions, Received, SurfaceInbox
 from vsensor.commands import obey
 from vsensor.config import Rig
 from vsensor.messages import (
@@ -16,6 +14,7 @@ from vsensor.messages import (
     BIT_SPEED,
     BIT_TORQUE,
     SENSOR_ALIVE,
+    SENSOR_COMMAND,
     SENSOR_EVENT,
     SENSOR_STATUS,
     SENSOR_TICK,
@@ -28,14 +27,13 @@ from vsensor.messages import (
     Status,
     Tick,
 )
+from vsensor.messages.surface import PROTOBUF
 from vsensor.service.engine import Engine
 from vsensor.service.health import Health, Recorded
 from vsensor.service.pace import Pace, Slot
 from vsensor.service.profile import Profiler
+from vsensor.service.realtime import Achieved, settle
 from vsensor.service.watch import Watch
-
-SWITCH_INTERVAL_S = 2e-4
-"""How soon another thread of Python must yield to the loop: the default 5 ms is half a tick at 100 Hz."""
 
 
 class Recorder(Recorded, Protocol):
@@ -51,7 +49,14 @@ class Recorder(Recorded, Protocol):
 class Daemon:
     """One rig's virtual sensor on the bus."""
 
-    def __init__(self, rig: Rig, engine: Engine, session: zenoh.Session, recorder: Recorder | None) -> None:
+    def __init__(
+        self,
+        rig: Rig,
+        engine: Engine,
+        session: zenoh.Session,
+        recorder: Recorder | None,
+        realtime: Achieved,
+    ) -> None:
         self._rig = rig
         self._engine = engine
         self._recorder = recorder
@@ -59,23 +64,20 @@ class Daemon:
         self._outbox = Outbox(session, rig.prefix, reliable=False)
         self._watch = Watch(rig)
         self._profiler = Profiler(rig, engine.estimator)
-        self.health = Health(rig, engine, self._watch.sticks)
+        self.health = Health(rig, engine, self._watch.sticks, realtime)
         self.status = self.health.status("starting", recorder)
         self._per_second = round(rig.loop.rate)
         self.fault = ""
         """What made the last unreadable sample unreadable."""
         self._owed = 0
         self._owed_until = 0
-        self._queryable = session.declare_queryable(f"{rig.prefix}/{SENSOR_STATUS}", self._reply)
-        self._commands = Commands(session, rig.prefix)
+        self._questions = Questions(session, f"{rig.prefix}/{SENSOR_STATUS}")
+        self._commands = Questions(session, f"{rig.prefix}/{SENSOR_COMMAND}")
         self._alive = session.liveliness().declare_token(f"{rig.prefix}/{SENSOR_ALIVE}")
 
     def run(self, pace: Pace, told: Callable[[Status], None], stopped: Callable[[], bool]) -> None:
         """Turn once each slot until told to stop; `told` hears the status of each second."""
-        sys.setswitchinterval(SWITCH_INTERVAL_S)
-        # What was made to start with stays: a full collection would walk over it for a tenth of a second.
-        gc.collect()
-        gc.freeze()
+        settle()
         second = 0
         for slot in pace.slots():
             begun = time.monotonic_ns()
@@ -94,6 +96,7 @@ class Daemon:
 
     def _turn(self, slot: Slot) -> None:
         self._count_owed(slot)
+        self._questions.answer(lambda _words: self.status.SerializeToString(), encoding=PROTOBUF)
         self._commands.answer(self._obey)
         for received in self._inbox.drain():
             if received.fault:
@@ -157,7 +160,9 @@ class Daemon:
         self._publish(SENSOR_EVENT, event, event.time_ns)
 
     def _publish(self, topic: str, message: Message, publish_time_ns: int) -> None:
+        begun = time.monotonic_ns()
         data = self._outbox.put(topic, message)
+        self.health.publishes(time.monotonic_ns() - begun)
         if self._recorder is not None:
             self._recorder.offer(topic, data, time.time_ns(), publish_time_ns)
 
@@ -169,10 +174,6 @@ class Daemon:
     def _hand_on(self) -> None:
         if self._recorder is not None:
             self._recorder.send()
-
-    def _reply(self, query: zenoh.Query) -> None:
-        with query:
-            query.reply(query.key_expr, self.status.SerializeToString(), encoding="application/protobuf")
 
 
 def _as_sensor(estimate: Estimate, field: str, unit: str) -> Sample:

@@ -13,7 +13,9 @@ from vsensor.estimator.severity import severity
 from vsensor.intake import NS
 from vsensor.messages import ChannelStatus, Status
 from vsensor.service.engine import Engine
+from vsensor.service.histogram import Histogram, quantile_s
 from vsensor.service.pace import Slot
+from vsensor.service.realtime import Achieved
 from vsensor.service.sticks import Sticks
 
 SILENCE_NS = NS
@@ -34,15 +36,19 @@ class Recorded(Protocol):
 class Health:
     """Counts of the loop, and of the second that runs."""
 
-    def __init__(self, rig: Rig, engine: Engine, sticks: Sticks) -> None:
+    def __init__(self, rig: Rig, engine: Engine, sticks: Sticks, realtime: Achieved) -> None:
         self._rig = rig
         self._engine = engine
         self._sticks = sticks
+        self.realtime = realtime
         self._started_ns = time.monotonic_ns()
         self._accepted = dict.fromkeys(engine.intake.channels, 0)
         self._heard_ns: dict[str, int] = {}
-        self._lateness_ns: list[int] = []
-        self._work_ns: list[int] = []
+        self._lateness = Histogram()
+        self._work = Histogram()
+        self._input_age = Histogram()
+        self._publish = Histogram()
+        self._publishing_ns = 0
         self.slots_run = 0
         self.slots_skipped = 0
         self.ticks = 0
@@ -52,19 +58,28 @@ class Health:
         """Count one turn of the loop, and those that passed before it."""
         self.slots_run += 1
         self.slots_skipped += slot.skipped
-        self._lateness_ns.append(slot.lateness_ns)
+        self._lateness.note(slot.lateness_ns)
+
+    def publishes(self, ns: int) -> None:
+        """Note how long the bus took to take a message."""
+        self._publishing_ns += ns
 
     def end(self, work_ns: int) -> None:
-        """Note how long the turn's work took."""
-        self._work_ns.append(work_ns)
+        """Note how long the turn's work took, and how much of it went into publishing."""
+        self._work.note(work_ns)
+        if self._publishing_ns:
+            self._publish.note(self._publishing_ns)
+            self._publishing_ns = 0
 
     def listen(self) -> None:
-        """Note which channels have spoken since the last call."""
+        """Note which channels have spoken since the last call, and how old the older one's word is."""
         now = time.monotonic_ns()
         for topic, channel in self._engine.intake.channels.items():
             if channel.counts.accepted != self._accepted[topic]:
                 self._accepted[topic] = channel.counts.accepted
                 self._heard_ns[topic] = now
+        if len(self._heard_ns) == len(self._accepted):
+            self._input_age.note(now - min(self._heard_ns.values()))
 
     @property
     def input_lost(self) -> bool:
@@ -104,10 +119,7 @@ class Health:
             law_stribeck_rad_s=estimator.law.stribeck_speed,
         )
         self._tell_of_estimator(status)
-        if self._lateness_ns:
-            status.lateness_p50_s, status.lateness_p99_s = _percentiles(self._lateness_ns)
-        if self._work_ns:
-            status.work_p50_s, status.work_p99_s = _percentiles(self._work_ns)
+        self._tell_of_loop(status)
         if not np.isnan(worst := self.severity):
             status.severity = worst
         for name, value in figures(self._engine.window, 1 / self._rig.loop.rate)._asdict().items():
@@ -118,9 +130,25 @@ class Health:
                 status.recording = recorder.path
             status.recorded = recorder.sent
             status.recorder_dropped = recorder.dropped
-        self._lateness_ns.clear()
-        self._work_ns.clear()
         return status
+
+    def _tell_of_loop(self, status: Status) -> None:
+        told = {
+            "lateness": self._lateness,
+            "work": self._work,
+            "input_age": self._input_age,
+            "publish": self._publish,
+        }
+        for name, histogram in told.items():
+            getattr(status, name).CopyFrom(histogram.message())
+            second = histogram.turn_over()
+            if any(second):
+                setattr(status, f"{name}_p50_s", quantile_s(second, 0.5))
+                setattr(status, f"{name}_p99_s", quantile_s(second, 0.99))
+        status.realtime = self.realtime.asked
+        status.scheduling = self.realtime.scheduling
+        status.processors = ",".join(map(str, self.realtime.processors))
+        status.memory_locked = self.realtime.memory_locked
 
     def _tell_of_estimator(self, status: Status) -> None:
         estimator = self._engine.estimator
@@ -144,8 +172,3 @@ class Health:
             if topic in self._heard_ns:
                 channel.counts.age_s = (now - self._heard_ns[topic]) / NS
             yield channel.counts
-
-
-def _percentiles(values_ns: list[int]) -> tuple[float, float]:
-    p50, p99 = np.percentile(values_ns, [50, 99]) / NS
-    return float(p50), float(p99)

@@ -1,0 +1,161 @@
+"""Real-time settings: what is granted is told, what is not too, and only the loop's thread has them."""
+
+import errno
+import os
+import resource
+import signal
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+import pytest
+
+from tests.daemons import daemon, post
+from tests.rigs import SHORT
+from vsensor.config import Bus, Loop, Rig
+from vsensor.errors import VsensorError
+from vsensor.messages import Status
+from vsensor.recording.reader import Session
+from vsensor.service import realtime
+
+T = TypeVar("T")
+ALL = os.sched_getaffinity(0)
+LAST = max(ALL)
+
+
+def wanting(**asked: object) -> Loop:
+    return Loop.model_validate({"rate": 50.0, **asked})
+
+
+def in_a_thread(work: Callable[[], T]) -> T:
+    """Run it in a thread of its own, whose scheduling ends with it."""
+    came: list[T | BaseException] = []
+
+    def run() -> None:
+        try:
+            came.append(work())
+        except BaseException as error:  # carried to the test's own thread
+            came.append(error)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    thread.join()
+    if isinstance(came[0], BaseException):
+        raise came[0]
+    return came[0]
+
+
+def refuse(*_asked: object) -> None:
+    raise PermissionError(errno.EPERM, "Operation not permitted")
+
+
+@pytest.fixture
+def poor(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A machine that grants nothing."""
+    monkeypatch.setattr(os, "sched_setscheduler", refuse)
+    monkeypatch.setattr(resource, "getrlimit", lambda _which: (8 << 20, 8 << 20))
+    monkeypatch.setattr(realtime, "_may_lock_all", lambda: False)
+
+
+def test_off_asks_for_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("sched_setscheduler", "sched_setaffinity"):
+        monkeypatch.setattr(os, name, refuse)
+    achieved = realtime.achieve(wanting())
+    assert (achieved.asked, achieved.memory_locked, achieved.refused) == ("off", False, ())
+    assert set(achieved.processors) == ALL
+
+
+@pytest.mark.usefixtures("poor")
+def test_what_is_not_granted_is_told_with_what_would_help() -> None:
+    achieved = in_a_thread(
+        lambda: realtime.achieve(wanting(realtime="prefer", priority=55, processors=[4095]))
+    )
+    assert (achieved.scheduling, achieved.memory_locked) == ("SCHED_OTHER", False)
+    priority, memory, processors = achieved.refused
+    assert "SCHED_FIFO 55" in priority
+    assert "LimitRTPRIO" in priority
+    assert "8192 KiB" in memory
+    assert "LimitMEMLOCK" in memory
+    assert "[4095]" in processors
+
+
+@pytest.mark.usefixtures("poor")
+def test_what_is_required_and_not_granted_is_an_error() -> None:
+    with pytest.raises(VsensorError, match=r'"require" is not granted:\n  SCHED_FIFO 40: .*\n  memory lock'):
+        in_a_thread(lambda: realtime.achieve(wanting(realtime="require")))
+
+
+def test_processors_are_pinned_for_the_thread_alone() -> None:
+    achieved = in_a_thread(lambda: realtime.achieve(wanting(realtime="prefer", processors=[LAST])))
+    assert achieved.processors == (LAST,)
+    assert set(achieved.others) == ALL
+    assert os.sched_getaffinity(0) == ALL
+
+
+@pytest.mark.parametrize(
+    ("asked", "fault"),
+    [
+        ({"processors": [0]}, "realtime"),
+        ({"realtime": "yes"}, "off"),
+        ({"realtime": "prefer", "priority": 99}, "98"),
+        ({"realtime": "prefer", "processors": [-1]}, "0"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused(asked: dict[str, object], fault: str) -> None:
+    with pytest.raises(ValueError, match=fault):
+        wanting(**asked)
+
+
+def scheduling_of(pid: int) -> dict[int, int]:
+    """Policy of each thread of a process."""
+    threads = [int(folder.name) for folder in Path(f"/proc/{pid}/task").iterdir()]
+    return {thread: os.sched_getscheduler(thread) & ~os.SCHED_RESET_ON_FORK for thread in threads}
+
+
+@pytest.fixture
+def preferring() -> Rig:
+    loop = SHORT.loop.model_copy(update={"realtime": "prefer", "processors": (LAST,)})
+    return SHORT.model_copy(update={"loop": loop})
+
+
+@pytest.mark.process
+def test_the_daemon_tells_what_it_has_and_its_other_threads_and_recorder_have_not(
+    preferring: Rig, bus: Bus, tmp_path: Path
+) -> None:
+    with daemon(preferring, bus, tmp_path) as sensor:
+        with post(sensor) as rig:
+            status = rig.await_status(lambda status: status.slots_run > 0, "a status")
+        pid = sensor.process.pid
+        threads = scheduling_of(pid)
+        loop = threads.pop(pid)
+        told = "SCHED_OTHER"
+        if loop == os.SCHED_FIFO:
+            told = f"SCHED_FIFO {os.sched_getparam(pid).sched_priority}"
+        assert (status.realtime, status.scheduling) == ("prefer", told)
+        assert status.processors == str(LAST)
+        assert os.sched_getaffinity(pid) == {LAST}
+        assert set(threads.values()) == {os.SCHED_OTHER}
+        assert any(os.sched_getaffinity(thread) == ALL for thread in threads)
+        assert set(scheduling_of(sensor.recorder).values()) == {os.SCHED_OTHER}
+        assert os.sched_getaffinity(sensor.recorder) == ALL
+        assert status.memory_locked == (locked_kib(pid) > 0)
+        assert told in sensor.said
+        assert sensor.end(signal.SIGTERM) == 0
+        (session,) = sensor.sessions
+    assert told_in(session, status)
+
+
+def locked_kib(pid: int) -> int:
+    lines = Path(f"/proc/{pid}/status").read_text(encoding="utf-8").splitlines()
+    return next(int(line.split()[1]) for line in lines if line.startswith("VmLck:"))
+
+
+def told_in(session: Path, status: Status) -> bool:
+    metadata = Session(session).metadata
+    return (
+        metadata["scheduling"] == status.scheduling
+        and metadata["loop_processors"] == status.processors
+        and metadata["memory_locked"] == ("yes" if status.memory_locked else "no")
+        and metadata["realtime"] == status.realtime
+    )

@@ -1,0 +1,137 @@
+"""What the system is asked for so that the loop wakes on time, and what it granted.
+
+Scheduling and processors are those of the calling thread alone: threads and processes that are already
+there keep theirs, and those that it starts later are ordinary ones (SCHED_RESET_ON_FORK).
+"""
+
+import ctypes
+import gc
+import os
+import resource
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from vsensor.config import Loop
+from vsensor.errors import VsensorError
+
+SWITCH_INTERVAL_S = 2e-4
+"""How soon another thread of Python must yield to the loop: the default 5 ms is half a tick at 100 Hz."""
+
+_PR_SET_TIMERSLACK = 29  # linux/prctl.h
+_LOCK_ALL = 1 | 2 | 4  # MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT, linux/mman.h: what is touched stays in memory
+_CAP_IPC_LOCK = 14  # linux/capability.h
+
+
+class Achieved(NamedTuple):
+    """What the loop's thread has, whatever was asked for."""
+
+    asked: str
+    """off, prefer or require."""
+    scheduling: str
+    """SCHED_OTHER, or SCHED_FIFO and the priority."""
+    processors: tuple[int, ...]
+    """On which it may run,"""
+    others: tuple[int, ...]
+    """and on which all else of this program may."""
+    memory_locked: bool
+    refused: tuple[str, ...] = ()
+    """What was not granted, and what would help."""
+
+    @property
+    def words(self) -> str:
+        """All of it in one line."""
+        memory = "locked" if self.memory_locked else "not locked"
+        where = ", ".join(map(str, self.processors))
+        return f"real-time {self.asked}: {self.scheduling} on processor {where}, memory {memory}"
+
+    def as_metadata(self) -> dict[str, str]:
+        """As text, for a session's metadata."""
+        return {
+            "realtime": self.asked,
+            "scheduling": self.scheduling,
+            "loop_processors": ",".join(map(str, self.processors)),
+            "memory_locked": "yes" if self.memory_locked else "no",
+        }
+
+
+def achieve(loop: Loop) -> Achieved:
+    """Ask for what the configuration wants, for the calling thread. Call once all else has been started.
+
+    Raises VsensorError where `require` is not granted, with what would help.
+    """
+    others = tuple(sorted(os.sched_getaffinity(0)))
+    asked: tuple[Callable[[Loop], str], ...] = (_take_priority, _lock_memory, _take_processors)
+    told = [ask(loop) for ask in asked] if loop.realtime != "off" else []
+    refused = tuple(words for words in told if words)
+    if refused and loop.realtime == "require":
+        raise VsensorError(
+            'loop.realtime = "require" is not granted:\n' + "\n".join(f"  {r}" for r in refused)
+        )
+    locked = loop.realtime != "off" and not told[1]
+    return Achieved(
+        loop.realtime, _scheduling(), tuple(sorted(os.sched_getaffinity(0))), others, locked, refused
+    )
+
+
+def settle() -> None:
+    """What needs nobody's leave: exact timers, no long waits for other threads, less to collect."""
+    # By default the kernel may wake an ordinary thread 50 µs late, to save power.
+    _libc().prctl(_PR_SET_TIMERSLACK, ctypes.c_ulong(1), 0, 0, 0)
+    sys.setswitchinterval(SWITCH_INTERVAL_S)
+    # What was made to start with stays: a full collection would walk over it for a tenth of a second.
+    gc.collect()
+    gc.freeze()
+
+
+def _take_priority(loop: Loop) -> str:
+    try:
+        policy = os.SCHED_FIFO | os.SCHED_RESET_ON_FORK
+        os.sched_setscheduler(0, policy, os.sched_param(loop.priority))
+    except OSError as error:
+        return (
+            f"SCHED_FIFO {loop.priority}: {error.strerror}: "
+            f"needs CAP_SYS_NICE, or a limit of at least {loop.priority} (ulimit -r; systemd: LimitRTPRIO=)"
+        )
+    return ""
+
+
+def _lock_memory(_loop: Loop) -> str:
+    limit, _ = resource.getrlimit(resource.RLIMIT_MEMLOCK)
+    if limit != resource.RLIM_INFINITY and not _may_lock_all():
+        # With a limit the lock would be granted now, and an allocation refused once it is reached.
+        return (
+            f"memory lock: {limit >> 10} KiB are allowed: "
+            "needs CAP_IPC_LOCK, or no limit (ulimit -l unlimited; systemd: LimitMEMLOCK=infinity)"
+        )
+    if _libc().mlockall(_LOCK_ALL):
+        return f"memory lock: {os.strerror(ctypes.get_errno())}"
+    return ""
+
+
+def _take_processors(loop: Loop) -> str:
+    if not loop.processors:
+        return ""
+    try:
+        os.sched_setaffinity(0, loop.processors)
+    except OSError as error:
+        here = f"this machine has {os.cpu_count()}, from 0 on"
+        return f"processors {list(loop.processors)}: {error.strerror}: {here}"
+    return ""
+
+
+def _scheduling() -> str:
+    if os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK == os.SCHED_FIFO:
+        return f"SCHED_FIFO {os.sched_getparam(0).sched_priority}"
+    return "SCHED_OTHER"
+
+
+def _may_lock_all() -> bool:
+    status = Path("/proc/self/status").read_text(encoding="ascii", errors="replace")
+    (effective,) = (line for line in status.splitlines() if line.startswith("CapEff:"))
+    return bool(int(effective.split()[1], 16) >> _CAP_IPC_LOCK & 1)
+
+
+def _libc() -> ctypes.CDLL:
+    return ctypes.CDLL(None, use_errno=True)
