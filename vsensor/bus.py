@@ -1,16 +1,14 @@
 """Zenoh: sessions that stay on this machine unless told otherwise, and typed traffic over them."""
 
-import json
 import time
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Literal
 
 import zenoh
 
+from vsensor.access import Role, is_locked, without_place, zenoh_config
 from vsensor.config import Bus
-from vsensor.errors import BusError, ConfigError
+from vsensor.errors import BusError
 from vsensor.messages import SENSOR_ALIVE, SENSOR_COMMAND, SURFACE, Message, Sample, message_type, surface
 
 QUESTIONS_CAPACITY = 16
@@ -21,52 +19,25 @@ INBOX_CAPACITY = 1 << 16
 """Samples that may wait for a tick: 30 s of two channels at 1 kHz, past which the oldest are lost."""
 
 
-def open_session(bus: Bus, role: Literal["daemon", "client"]) -> zenoh.Session:
+def open_session(bus: Bus, role: Role) -> zenoh.Session:
     """Open a session: the daemon listens and routes among its clients; a client connects to it.
 
     Use it in a `with`: a session left open keeps the process from ending. Raises BusError, and
-    ConfigError where the file of Zenoh's own settings cannot be read.
+    ConfigError where the file of Zenoh's own settings, or a secret, cannot be used.
     """
-    config = _zenoh_config(bus, role)
+    config = zenoh_config(bus, role)
     try:
         return zenoh.open(config)
     except zenoh.ZError as error:
         ends = ", ".join(bus.listen if role == "daemon" else bus.connect or bus.listen)
-        hint = (
-            "is the port taken?"
-            if role == "daemon"
-            else "is the daemon (vsensor run) up? Is this its address?"
-        )
-        raise BusError(f"no bus at {ends}: {hint} ({_without_place(error)})") from error
+        raise BusError(f"no bus at {ends}: {_hint(config, role)} ({without_place(error)})") from error
 
 
-def _zenoh_config(bus: Bus, role: Literal["daemon", "client"]) -> zenoh.Config:
-    config = zenoh.Config() if bus.zenoh_config is None else _from_file(bus.zenoh_config)
-    listen = list(bus.listen) if role == "daemon" else []
-    connect = list(bus.connect) if role == "daemon" else list(bus.connect or bus.listen)
-    settings: dict[str, object] = {
-        "mode": "router" if role == "daemon" else "client",
-        "listen/endpoints": listen,
-        "connect/endpoints": connect,
-        "scouting/multicast/enabled": bus.multicast_scouting,
-        "timestamping/enabled": True,
-    }
-    for key, value in settings.items():
-        config.insert_json5(key, json.dumps(value))
-    return config
-
-
-def _from_file(path: Path) -> zenoh.Config:
-    try:
-        return zenoh.Config.from_file(path)
-    except zenoh.ZError as error:
-        why = _without_place(error)
-        raise ConfigError(f"bus.zenoh_config {path}: is no Zenoh configuration (JSON5): {why}") from error
-
-
-def _without_place(error: zenoh.ZError) -> str:
-    """Zenoh's message without the line of its own source."""
-    return str(error).split(" at /")[0]
+def _hint(config: zenoh.Config, role: Role) -> str:
+    if role == "daemon":
+        return "is the port taken?"
+    proof = " Does it take our certificate, our user and password?" if is_locked(config) else ""
+    return f"is the daemon (vsensor run) up? Is this its address?{proof}"
 
 
 @dataclass(frozen=True, slots=True)

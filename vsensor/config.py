@@ -183,6 +183,9 @@ class Bus(Table):
     connect: tuple[Endpoint, ...] = Field(default=(), description=_ENDPOINTS)
     multicast_scouting: Switch = False
     zenoh_config: Path | None = None
+    client_zenoh_config: Path | None = None
+    user: str | None = Field(default=None, min_length=1)
+    password_file: Path | None = None
 
 
 class Recording(Table):

@@ -1,6 +1,7 @@
 """What a configuration is made of: its tables, and what their values measure."""
 
 import math
+import re
 from typing import Annotated
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
@@ -17,6 +18,13 @@ class Table(BaseModel):
 def quantity(unit: str) -> BeforeValidator:
     """Read text with a unit, or a bare number in `unit`, which is SI."""
     return BeforeValidator(lambda value: to_si(value, unit))
+
+
+def _without_secret(endpoint: object) -> object:
+    """Zenoh takes a key in an endpoint too; from there it would get into sessions and messages."""
+    if isinstance(endpoint, str) and re.search(r"_(?:raw|base64)=", endpoint):
+        raise ValueError("an endpoint that holds a key itself: name the key's file, in zenoh_config")
+    return endpoint
 
 
 Length = Annotated[float, quantity("m"), Field(gt=0)]
@@ -39,7 +47,7 @@ Time = Annotated[float, quantity("s"), Field(ge=0)]
 PositiveTime = Annotated[float, quantity("s"), Field(gt=0)]
 Processor = Annotated[int, Field(ge=0, le=4095, strict=True)]
 Rate = Annotated[float, quantity("Hz"), Field(ge=1, le=5000)]
-Endpoint = Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]*/\S+$")]
+Endpoint = Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]*/\S+$"), BeforeValidator(_without_secret)]
 Switch = Annotated[bool, Field(strict=True)]
 Share = Annotated[float, Field(gt=0, le=0.3, strict=True, allow_inf_nan=False)]
 Ratio = Annotated[float, Field(gt=0, strict=True, allow_inf_nan=False)]
