@@ -80,7 +80,7 @@ def test_sigterm_ends_it_as_well_as_ctrl_c_and_a_second_daemon_is_refused_meanwh
 
     assert sensor.end(signal.SIGTERM) == 0
     session = complete(sensor)
-    assert verify(session, Engine(SHORT).step).exact
+    assert verify(session, Engine(SHORT)).exact
     assert len(ticks(session)) == len(READINGS)
     assert (
         f"{len(READINGS)} ticks, {len(READINGS)} estimates published, 0 messages not recorded" in sensor.said
@@ -95,7 +95,7 @@ def test_where_the_daemon_is_killed_the_recorder_completes_the_session(
     session = complete(sensor)
     assert session.recorder["ended"] == "the daemon ended without closing it"
     assert len(ticks(session)) == len(READINGS)
-    assert verify(session, Engine(SHORT).step).exact
+    assert verify(session, Engine(SHORT)).exact
 
 
 def test_where_the_recorder_is_killed_the_daemon_goes_on_and_says_so(
@@ -136,7 +136,7 @@ def test_a_pause_loses_no_tick_and_those_made_up_for_say_so(sensor: Daemon, rig:
     caught_up = [tick.number for tick in run_ticks if tick.caught_up]
     assert caught_up
     assert caught_up[0] >= 3 * RATE - 1
-    assert verify(session, Engine(SHORT).step).exact
+    assert verify(session, Engine(SHORT)).exact
 
 
 def test_a_faulty_configuration_is_told_as_a_whole_and_nothing_starts(tmp_path: Path) -> None:

@@ -79,7 +79,7 @@ def test_commands_and_depths_reach_the_ticks_and_a_session_of_them_is_exact(tmp_
     ticks = [cast("Tick", record.message) for record in session.messages((SENSOR_TICK,))]
     assert sum(tick.longer_by_m for tick in ticks) == 30
     assert {tick.off_bottom for tick in ticks} == {True, False}
-    assert verify(session, Engine(loads(session.configuration or "", str(path))).step).exact
+    assert verify(session, Engine(loads(session.configuration or "", str(path)))).exact
     assert ticks[-1].time_ns - ticks[0].time_ns > 7 * NS
     assert [event.text for event in commands(session)] == ["off bottom", "longer 30 m", "by depths"]
 

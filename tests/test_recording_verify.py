@@ -2,14 +2,14 @@
 
 import math
 import struct
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsensor.messages import BIT_ESTIMATE, SENSOR_TICK, Estimate, Tick
+from vsensor.messages import BIT_ESTIMATE, SENSOR_STATE, SENSOR_TICK, Array, Estimate, State, Tick
 from vsensor.recording.reader import Session
 from vsensor.recording.verify import Gap, Verdict, verify
 from vsensor.recording.writer import SessionWriter
@@ -27,6 +27,28 @@ class Sum:
         self.total = 0.0 if tick.number == 0 else self.total
         self.total += tick.motor_torque_nm
         return Estimate(number=tick.number, time_ns=tick.time_ns, now_bit_torque_nm=self.total)
+
+    def take_up(self, state: State) -> None:
+        if len(state.arrays) != 1:
+            raise ValueError("not the state of a sum")
+        (self.total,) = struct.unpack("<d", state.arrays[0].data)
+
+    def forget(self) -> None:
+        self.total = 0.0
+
+    def state(self, number: int) -> State:
+        return State(number=number, arrays=[Array(name="total", data=struct.pack("<d", self.total))])
+
+
+class Stepping(Sum):
+    """A machine that steps by another's rule."""
+
+    def __init__(self, rule: Callable[[Tick], Estimate]) -> None:
+        super().__init__()
+        self._rule = rule
+
+    def step(self, tick: Tick) -> Estimate:
+        return self._rule(tick)
 
 
 def ticks(count: int) -> list[Tick]:
@@ -53,8 +75,8 @@ def recorded(
 
 
 def test_the_same_estimator_gives_the_same_bits(tmp_path: Path) -> None:
-    verdict = verify(recorded(tmp_path / "a.mcap", ticks(50)), Sum().step)
-    assert verdict == Verdict(ticks=50, compared=50, mismatches=0, first=None, gap=None)
+    verdict = verify(recorded(tmp_path / "a.mcap", ticks(50)), Sum())
+    assert verdict == Verdict(ticks=50, compared=50)
     assert verdict.exact
 
 
@@ -64,7 +86,7 @@ def test_a_single_flipped_bit_is_found(tmp_path: Path) -> None:
             (bits,) = struct.unpack("<Q", struct.pack("<d", estimate.now_bit_torque_nm))
             (estimate.now_bit_torque_nm,) = struct.unpack("<d", struct.pack("<Q", bits ^ 1))
 
-    verdict = verify(recorded(tmp_path / "a.mcap", ticks(50), damage=flip), Sum().step)
+    verdict = verify(recorded(tmp_path / "a.mcap", ticks(50), damage=flip), Sum())
 
     assert (verdict.compared, verdict.mismatches, verdict.exact) == (50, 1, False)
     assert verdict.first is not None
@@ -95,7 +117,7 @@ def clear_torque(estimate: Estimate) -> None:
 def test_a_field_that_is_set_and_one_that_is_not_differ(
     tmp_path: Path, damage: Callable[[Estimate], None], field: str, recorded_value: object
 ) -> None:
-    verdict = verify(recorded(tmp_path / "a.mcap", ticks(3), damage=damage), Sum().step)
+    verdict = verify(recorded(tmp_path / "a.mcap", ticks(3), damage=damage), Sum())
     assert verdict.mismatches == 3
     assert verdict.first is not None
     assert (verdict.first.number, verdict.first.field, verdict.first.recorded) == (0, field, recorded_value)
@@ -115,11 +137,11 @@ def test_values_are_compared_by_their_bits(tmp_path: Path, was: float, comes: fl
         return estimate
 
     session = recorded(tmp_path / "a.mcap", ticks(1), damage=put(was))
-    assert verify(session, step).mismatches == 1
+    assert verify(session, Stepping(step)).mismatches == 1
 
     (tmp_path / "a.mcap").unlink()
     session = recorded(tmp_path / "a.mcap", ticks(1), damage=put(comes))
-    assert verify(session, step).exact
+    assert verify(session, Stepping(step)).exact
 
 
 @given(st.sets(st.integers(0, 19), min_size=1, max_size=19))
@@ -129,27 +151,87 @@ def test_a_hole_in_the_ticks_is_a_gap_and_no_mismatch(
     path = tmp_path_factory.mktemp("hole") / "a.mcap"
     kept = [tick for tick in ticks(20) if tick.number not in missing]
 
-    verdict = verify(recorded(path, kept), Sum().step)
+    verdict = verify(recorded(path, kept), Sum())
 
     first = min(missing)
     later = [tick.number for tick in kept if tick.number > first]
     assert verdict.mismatches == 0
-    assert verdict.gap == (Gap(first, later[0]) if later else None)
     assert verdict.ticks == first
+    assert verdict.skipped == len(later)
+    if later and first:
+        assert verdict.gaps[0] == Gap(first, later[0])
+    elif later:
+        assert verdict.gaps[0] == Gap(None, later[0])
+    assert verdict.exact == (not later)
+
+
+def parted(
+    path: Path, told: Sequence[Tick], states: Collection[int], missing: Collection[int] = ()
+) -> Session:
+    """A session with the state before each of these ticks, and without some of them."""
+    estimator = Sum()
+    with SessionWriter(path, configuration="", metadata={"rig": "r"}, compression="none") as writer:
+        for tick in told:
+            if tick.number in states:
+                writer.write(SENSOR_STATE, estimator.state(tick.number).SerializeToString(), 0, 0)
+            estimate = estimator.step(tick)
+            if tick.number not in missing:
+                writer.write(SENSOR_TICK, tick.SerializeToString(), 0, 0)
+                writer.write(BIT_ESTIMATE, estimate.SerializeToString(), 0, 0)
+    return Session(path)
+
+
+def test_a_part_that_begins_in_the_middle_stands_alone_by_its_state(tmp_path: Path) -> None:
+    missing = range(30)
+    with_state = parted(tmp_path / "a.mcap", ticks(50), {30}, missing)
+    without = parted(tmp_path / "b.mcap", ticks(50), {}, missing)
+
+    assert verify(with_state, Sum()) == Verdict(ticks=20, compared=20)
+    assert verify(without, Sum()) == Verdict(skipped=20, gaps=[Gap(None, 30)])
+
+
+def test_behind_a_loss_the_next_state_is_taken_up(tmp_path: Path) -> None:
+    session = parted(tmp_path / "a.mcap", ticks(50), {0, 20, 40}, {25, 26})
+    verdict = verify(session, Sum())
+    assert verdict == Verdict(ticks=35, compared=35, skipped=13, gaps=[Gap(25, 27)])
+    assert not verdict.exact
+
+
+def test_a_state_for_another_tick_does_not_bridge_a_gap(tmp_path: Path) -> None:
+    session = parted(tmp_path / "a.mcap", ticks(50), {20}, range(22))
+    assert verify(session, Sum()) == Verdict(skipped=28, gaps=[Gap(20, 22)])
+
+
+def test_a_state_that_does_not_fit_is_told(tmp_path: Path) -> None:
+    class Other(Sum):
+        def take_up(self, state: State) -> None:
+            raise ValueError(f"another string than at {state.number}")
+
+    session = parted(tmp_path / "a.mcap", ticks(50), {30}, range(30))
+    verdict = verify(session, Other())
+    assert (verdict.misfit, verdict.compared, verdict.exact) == ("another string than at 30", 0, False)
+    loose = verify(session, Other(), strict=False)
+    assert (loose.misfit, loose.ticks, loose.compared) == ("another string than at 30", 20, 20)
+
+
+def test_a_restart_behind_a_loss_is_not_known_again(tmp_path: Path) -> None:
+    told = [*ticks(10)[:5], *ticks(10)[7:], *ticks(4)]
+    verdict = verify(recorded(tmp_path / "a.mcap", told), Sum())
+    assert (verdict.ticks, verdict.skipped, verdict.gaps) == (5, 7, [Gap(5, 7)])
 
 
 def test_a_fresh_start_is_no_gap(tmp_path: Path) -> None:
     told = [*ticks(10), *ticks(7)]
-    verdict = verify(recorded(tmp_path / "a.mcap", told), Sum().step)
+    verdict = verify(recorded(tmp_path / "a.mcap", told), Sum())
     assert (verdict.ticks, verdict.compared, verdict.exact) == (17, 17, True)
 
 
 def test_ticks_whose_estimate_was_not_recorded_are_run_but_not_compared(tmp_path: Path) -> None:
     session = recorded(tmp_path / "a.mcap", ticks(10), without=lambda estimate: estimate.number in (4, 9))
-    verdict = verify(session, Sum().step)
+    verdict = verify(session, Sum())
     assert (verdict.ticks, verdict.compared, verdict.exact) == (10, 8, True)
 
 
 def test_nothing_compared_is_not_exact(tmp_path: Path) -> None:
     session = recorded(tmp_path / "a.mcap", ticks(10), without=lambda _: True)
-    assert not verify(session, Sum().step).exact
+    assert not verify(session, Sum()).exact

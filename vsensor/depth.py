@@ -5,6 +5,8 @@ sticks out above the rotary table. Where it does not, stands were added or taken
 """
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 from vsensor.config import Rig
 from vsensor.messages import SURFACE_BIT_DEPTH, SURFACE_HOLE_DEPTH, Sample
@@ -74,6 +76,22 @@ class Depths:
         """By how much the string has become longer since the last call, m."""
         longer, self._longer = self._longer, 0.0
         return longer
+
+    def save(self) -> dict[str, Any]:
+        """What is remembered, as plain values."""
+        return {
+            "length": self._length,
+            "longer": self._longer,
+            "commanded": self._commanded,
+            "known": self._known,
+        }
+
+    def restore(self, saved: Mapping[str, Any]) -> None:
+        """Take up what `save` gave."""
+        self._length = saved["length"]
+        self._longer = saved["longer"]
+        self._commanded = saved["commanded"]
+        self._known = dict(saved["known"])
 
     def _count_stands(self, bit_depth: float) -> None:
         above = self._length - bit_depth

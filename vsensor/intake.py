@@ -5,27 +5,22 @@ it. No clock of ours takes part, so the same samples in the same order give the 
 offline or replayed.
 """
 
-import math
-from bisect import insort
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from vsensor.channel import Channel
 from vsensor.commands import COMMAND, obey
 from vsensor.config import Rig
 from vsensor.depth import Depths
 from vsensor.errors import InputError
-from vsensor.messages import DEPTH_TOPICS, SURFACE_SPEED, SURFACE_TORQUE, ChannelStatus, Event, Sample
-from vsensor.quality import Quality, Reason
+from vsensor.messages import DEPTH_TOPICS, SURFACE_SPEED, SURFACE_TORQUE, Event, Sample
+from vsensor.quality import Reason
 
 NS = 1_000_000_000
 
 FARTHEST_NS = 1 << 62
 """A time beyond 146 years from 1970 is none: near the end of its 64 bits, a forecast's would not fit."""
-LONGEST_HOLE = 1_000_000
-"""A greater leap in the sequence is another publisher's count, and no loss."""
-REMEMBERED = 1000
-"""How far back a missing sample's number is known, so that it is no loss if it only comes late."""
 
 
 class Input(NamedTuple):
@@ -40,134 +35,6 @@ class Input(NamedTuple):
     off_bottom: bool = False
     longer_by: float = 0.0
     """By how much the string has become longer since the tick before, m."""
-
-
-class Point(NamedTuple):
-    """An accepted sample."""
-
-    time_ns: int
-    value: float
-    reasons: Reason
-
-
-class Channel:
-    """One channel: what is refused and why, and the points that the grid still needs."""
-
-    def __init__(self, name: str, limit: float, stale: Reason) -> None:
-        self.counts = ChannelStatus(
-            channel=name,
-            received=0,
-            accepted=0,
-            lost=0,
-            unreadable=0,
-            not_finite=0,
-            out_of_range=0,
-            doubled=0,
-            late=0,
-            jumped=0,
-            bad_at_source=0,
-        )
-        self.stale = stale
-        self._limit = limit
-        self._next_sequence: int | None = None
-        self._missing: set[int] = set()
-        self.forget()
-
-    def forget(self) -> None:
-        """Begin anew, as before the first sample; the counts stay."""
-        self.points: list[Point] = []
-
-    @property
-    def newest_ns(self) -> int | None:
-        """The time of the newest accepted sample."""
-        return self.points[-1].time_ns if self.points else None
-
-    def believes(self, sample: Sample) -> bool:
-        """Whether value and quality of a sample can be used; counts it otherwise."""
-        if not math.isfinite(sample.value):
-            self.counts.not_finite += 1
-        elif abs(sample.value) > self._limit:
-            self.counts.out_of_range += 1
-        elif int(sample.quality) == Quality.BAD:
-            self.counts.bad_at_source += 1
-        else:
-            return True
-        return False
-
-    def follow(self, sample: Sample) -> None:
-        """Follow the sequence: a hole is a loss, until the missing one comes late after all."""
-        if not sample.HasField("sequence"):
-            return
-        given = sample.sequence
-        ahead = 0 if self._next_sequence is None else given - self._next_sequence
-        if given in self._missing:
-            self._missing.remove(given)
-            self.counts.lost -= 1
-        elif 0 <= ahead <= LONGEST_HOLE:
-            self.counts.lost += ahead
-            self._remember(given, ahead)
-            self._next_sequence = given + 1
-        elif ahead > 0 or (ahead < -1 and sample.time_ns == self.newest_ns):
-            # A low number with the newest time: the publisher has begun to count anew.
-            self._missing.clear()
-            self._next_sequence = given + 1
-
-    def _remember(self, given: int, missing: int) -> None:
-        if missing:
-            known = given - REMEMBERED
-            self._missing = {number for number in self._missing if number >= known}
-            self._missing.update(range(max(given - missing, known), given))
-
-    def accept(self, sample: Sample, consumed_ns: int | None) -> None:
-        """Keep a sample in its place in time, unless that has passed or is taken."""
-        reasons = Reason.SOURCE_UNCERTAIN if int(sample.quality) == Quality.UNCERTAIN else Reason(0)
-        point = Point(sample.time_ns, sample.value, reasons)
-        newest = self.newest_ns
-        if newest is None or point.time_ns > newest:
-            self.points.append(point)
-        elif any(kept.time_ns == point.time_ns for kept in self.points):
-            self.counts.doubled += 1
-            return
-        elif consumed_ns is not None and point.time_ns <= consumed_ns:
-            self.counts.late += 1
-            return
-        else:
-            insort(self.points, point)
-        self.counts.accepted += 1
-
-    def let_go(self, time_ns: int) -> None:
-        """Drop what lies before a time, but for the last of it."""
-        while len(self.points) > 1 and self.points[1].time_ns <= time_ns:
-            del self.points[0]
-
-    def at(self, time_ns: int, max_gap_ns: int) -> tuple[float, Reason] | None:
-        """The value at a time by a straight line between its neighbours; None where not reached yet."""
-        self.let_go(time_ns)
-        before = self.points[0]
-        if before.time_ns == time_ns:
-            return before.value, before.reasons
-        if len(self.points) == 1:
-            return None
-        after = self.points[1]
-        reasons = before.reasons | after.reasons
-        gap = after.time_ns - before.time_ns
-        if gap > max_gap_ns:
-            reasons |= Reason.GAP_BRIDGED
-        share = (time_ns - before.time_ns) / gap
-        return before.value + share * (after.value - before.value), reasons
-
-    def has_gone_on(self, time_ns: int, max_gap_ns: int) -> bool:
-        """Whether samples reach further than a gap past the first at or after a time.
-
-        Past the time itself would not do: where both channels were silent, or are slow, one of
-        them is the first to speak again, and the other a moment behind it.
-        """
-        following = next((point for point in self.points if point.time_ns >= time_ns), None)
-        return following is not None and self.points[-1].time_ns > following.time_ns + max_gap_ns
-
-    def held(self) -> tuple[float, Reason]:
-        """The last value, for a channel that has fallen silent."""
-        return self.points[0].value, self.points[0].reasons | self.stale
 
 
 class Intake:
@@ -193,6 +60,27 @@ class Intake:
         self._consumed_ns: int | None = None
         for channel in self.channels.values():
             channel.forget()
+
+    def save(self) -> dict[str, Any]:
+        """What is remembered between two samples, but for the counts, as plain values."""
+        return {
+            "anchor_ns": self._anchor_ns,
+            "number": self._number,
+            "consumed_ns": self._consumed_ns,
+            "jump_ns": self._jump_ns,
+            "channels": {topic: channel.save() for topic, channel in self.channels.items()},
+            "depths": self.depths.save(),
+        }
+
+    def restore(self, saved: Mapping[str, Any]) -> None:
+        """Take up what `save` gave: the same samples then give the same ticks."""
+        self._anchor_ns = saved["anchor_ns"]
+        self._number = saved["number"]
+        self._consumed_ns = saved["consumed_ns"]
+        self._jump_ns = dict(saved["jump_ns"])
+        for topic, channel in self.channels.items():
+            channel.restore(saved["channels"][topic])
+        self.depths.restore(saved["depths"])
 
     def take(self, topic: str, sample: Sample | Event | None) -> list[Input]:
         """Take one sample in the order of arrival, None for one that could not be read.

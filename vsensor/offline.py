@@ -6,6 +6,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
+from vsensor import checkpoint
 from vsensor.config import Rig
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.kernel import (
@@ -19,7 +20,7 @@ from vsensor.estimator.kernel import (
     TORQUE_STD,
 )
 from vsensor.intake import NS, Input, Intake
-from vsensor.messages import Event, Sample
+from vsensor.messages import Event, Sample, State
 from vsensor.quality import Reason, verdict
 
 CHUNK = 10_000
@@ -37,6 +38,10 @@ class Offline:
     def tuning(self) -> NDArray[np.float64]:
         """Corrections of delay, top-drive inertia and wall friction that the record made, as shares; (3,)."""
         return self._estimator.tuning
+
+    def take_up(self, state: State) -> None:
+        """Go on from a recorded state; ValueError where it does not fit this rig."""
+        checkpoint.take_up(state, self.intake, self._estimator)
 
     def estimates(
         self, samples: Iterable[tuple[str, Sample | Event]]

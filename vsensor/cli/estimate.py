@@ -6,12 +6,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 
 from vsensor.config import Rig, load, loads
 from vsensor.errors import ConfigError, InputError
 
 if TYPE_CHECKING:
     from vsensor.messages import Event, Sample
+    from vsensor.offline import Offline
+    from vsensor.service.engine import Engine
 
 
 def estimate(
@@ -31,7 +34,7 @@ def estimate(
         is_csv(output)  # before the work, not after
     console = Console()
     with console.status(f"estimating {source}"):
-        ticks = write(rig, source, output)
+        ticks = write(rig, source, output, console)
     if ticks == 0:
         raise InputError(f"{source}: no tick came of it: both surface channels are needed, from one time on")
     console.print(f"{ticks} ticks estimated into {output}", soft_wrap=True, highlight=False)
@@ -68,13 +71,32 @@ def _samples(source: Path) -> "Iterator[tuple[str, Sample | Event]]":
             yield topic, message
 
 
-def _to_table(rig: Rig, source: Path, output: Path) -> int:
+def _begun(source: Path, engine: "Engine | Offline", console: Console) -> None:
+    """A later part of a recording goes on from what the sensor remembered at its start."""
+    from vsensor.recording.reader import Session
+
+    state = Session(source).state() if source.suffix == ".mcap" else None
+    if state is None:
+        return
+    try:
+        engine.take_up(state)
+    except ValueError as error:
+        console.print(
+            f"what the recording sensor remembered at the start is left aside: {escape(str(error))}",
+            soft_wrap=True,
+            highlight=False,
+        )
+
+
+def _to_table(rig: Rig, source: Path, output: Path, console: Console) -> int:
     import numpy as np
 
     from vsensor.offline import Offline
     from vsensor.tables import write_estimates
 
-    chunks = list(Offline(rig).estimates(_samples(source)))
+    sensor = Offline(rig)
+    _begun(source, sensor, console)
+    chunks = list(sensor.estimates(_samples(source)))
     if not chunks:
         return 0
     columns = {name: np.concatenate([chunk[name] for chunk in chunks]) for name in chunks[0]}
@@ -82,14 +104,17 @@ def _to_table(rig: Rig, source: Path, output: Path) -> int:
     return len(columns["time_s"])
 
 
-def _to_session(rig: Rig, source: Path, output: Path) -> int:
+def _to_session(rig: Rig, source: Path, output: Path, console: Console) -> int:
+    from vsensor import checkpoint
     from vsensor.config import effective_toml
-    from vsensor.messages import BIT_ESTIMATE, SENSOR_TICK
+    from vsensor.messages import BIT_ESTIMATE, SENSOR_STATE, SENSOR_TICK
     from vsensor.provenance import provenance
     from vsensor.recording.writer import SessionWriter
     from vsensor.service.engine import Engine
 
     engine = Engine(rig)
+    _begun(source, engine, console)
+    begun = checkpoint.whole(*checkpoint.remembered(engine.intake, engine.estimator))
     ticks = 0
     with SessionWriter(
         output,
@@ -97,6 +122,7 @@ def _to_session(rig: Rig, source: Path, output: Path) -> int:
         metadata=provenance(rig),
         compression=rig.recording.compression,
     ) as writer:
+        writer.write(SENSOR_STATE, begun.SerializeToString(), begun.time_ns, begun.time_ns)
         for topic, sample in _samples(source):
             writer.write(topic, sample.SerializeToString(), sample.time_ns, sample.time_ns)
             for tick, told in engine.take(topic, sample):

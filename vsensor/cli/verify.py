@@ -10,7 +10,7 @@ from vsensor.config import loads
 from vsensor.errors import InputError
 
 if TYPE_CHECKING:
-    from vsensor.recording.verify import Verdict
+    from vsensor.recording.verify import Gap, Verdict
 
 
 def verify(session: Annotated[Path, typer.Argument(help="A recorded session.")]) -> None:
@@ -25,7 +25,7 @@ def verify(session: Annotated[Path, typer.Argument(help="A recorded session.")])
     rig = loads(recorded.configuration, f"{session}: recorded configuration")
     console = Console()
     with console.status(f"verifying {session}"):
-        verdict = compare(recorded, Engine(rig).step)
+        verdict = compare(recorded, Engine(rig))
     if not recorded.complete:
         console.print(f"{session} is torn: what survives of it is verified", highlight=False, soft_wrap=True)
     console.print(_words(verdict), highlight=False)
@@ -42,8 +42,17 @@ def _words(verdict: "Verdict") -> str:
             f"the first at tick {first.number}: {first.field} was recorded as {first.recorded}, "
             f"is now {first.recomputed}"
         )
-    if (gap := verdict.gap) is not None:
-        said.append(f"tick {gap.expected} was not recorded (then {gap.found}): no comparison past it")
+    said += [_hole(gap) for gap in verdict.gaps]
+    if verdict.skipped:
+        said.append(f"{verdict.skipped} ticks behind that could not be run again")
+    if verdict.misfit:
+        said.append(f"a recorded state was not taken up: {verdict.misfit}")
     if verdict.compared == 0:
         said.append("the session holds no estimates of a daemon: nothing to compare")
     return "\n".join(said)
+
+
+def _hole(gap: "Gap") -> str:
+    if gap.expected is None:
+        return f"it begins with tick {gap.found}, and without what the sensor remembered then"
+    return f"after tick {gap.expected - 1} the next recorded is {gap.found}"

@@ -12,18 +12,14 @@ from vsensor.estimator.along import SPEED, along, stations
 from vsensor.estimator.carry import carry
 from vsensor.estimator.gains import Gains
 from vsensor.estimator.learn import lose_sight
-from vsensor.estimator.model import model_of, timed
+from vsensor.estimator.model import model_of, timed, with_length
 from vsensor.estimator.responses import TOLD_BIT_SPEED, TOLD_TOP_SPEED
 from vsensor.estimator.sections import Floats, Line, cut, junction_depths, steps_per_tick
-from vsensor.estimator.state import (
-    Model,
-    State,
-    fill,
-    flat,
-    fresh,
-    is_learned,
-)
+from vsensor.estimator.state import Model, State, fill, flat, fresh, is_learned
 from vsensor.estimator.tune import EVERY_S, INERTIA, correct, tuned
+
+LENGTH = "length"
+"""The name under which a saved state holds the length of the topmost component, m."""
 
 
 class Estimates(NamedTuple):
@@ -172,11 +168,10 @@ class Estimator:
         Until all waves of before have left, inputs should be flagged `quality.Reason.STRING_CHANGED`.
         Raises ValueError where nothing would be left of that component.
         """
-        top, *rest = self._rig.string
+        top = self._rig.string[0]
         if top.length + metres <= 0:
             raise ValueError(f'"{top.name}" is {top.length:g} m long and cannot become {-metres:g} m shorter')
-        longer = top.model_copy(update={"length": top.length + metres})
-        self._rig = self._rig.model_copy(update={"string": (longer, *rest)})
+        self._rig = with_length(self._rig, top.length + metres)
         old, before = self._state, self._model.line
         self._lay_out()
         state = self._new()
@@ -187,15 +182,28 @@ class Estimator:
 
     def save(self) -> dict[str, NDArray[np.generic]]:
         """The whole state as named arrays: restored, it goes on to the same bits."""
-        return flat(self._state)
+        return {LENGTH: np.array([self._rig.string[0].length]), **flat(self._state)}
 
     def restore(self, saved: Mapping[str, NDArray[np.generic]]) -> None:
         """Take up a saved state. Raises ValueError where it is of another string, rate or version."""
+        expected = {LENGTH, *flat(self._state)}
+        if saved.keys() != expected:
+            raise ValueError(f"the saved state holds {sorted(saved)}, not {sorted(expected)}")
+        before = self._rig
+        self._relay(with_length(before, float(saved[LENGTH][0])))
         state = self._new()
-        if saved.keys() != flat(state).keys():
-            raise ValueError(f"the saved state holds {sorted(saved)}, not {sorted(flat(state))}")
-        fill(state, saved)
+        try:
+            fill(state, {name: array for name, array in saved.items() if name != LENGTH})
+        except ValueError:
+            self._relay(before)
+            raise
         self._take(state)
+
+    def _relay(self, rig: Rig) -> None:
+        """Lay out the string of another rig, where it is another."""
+        if rig != self._rig:
+            self._rig = rig
+            self._lay_out()
 
     def step(self, torque: float, speed: float, reasons: int = 0) -> tuple[Floats, int]:
         """Run one tick; returns the answers (17,), valid until the next call, and the flags."""

@@ -73,3 +73,9 @@ def timed(model: Model) -> Model:
 def _end(now: int, round_trip: int, horizon: int) -> int:
     """Where the forecast ends: where the waves on their way do, or sooner if less is asked."""
     return min(max(now, round_trip), now + horizon)
+
+
+def with_length(rig: Rig, length: float) -> Rig:
+    """The rig with its topmost component of another length."""
+    top, *rest = rig.string
+    return rig.model_copy(update={"string": (top.model_copy(update={"length": length}), *rest)})

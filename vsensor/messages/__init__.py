@@ -8,6 +8,7 @@ from vsensor.messages.topics import (
     SENSOR_ALIVE,
     SENSOR_COMMAND,
     SENSOR_EVENT,
+    SENSOR_STATE,
     SENSOR_STATUS,
     SENSOR_TICK,
     STRING_PROFILE,
@@ -20,7 +21,17 @@ from vsensor.messages.topics import (
     Message,
     message_type,
 )
-from vsensor.messages.vsensor_pb2 import ChannelStatus, Estimate, Event, Profile, Sample, Status, Tick
+from vsensor.messages.vsensor_pb2 import (
+    Array,
+    ChannelStatus,
+    Estimate,
+    Event,
+    Profile,
+    Sample,
+    State,
+    Status,
+    Tick,
+)
 
 __all__ = [
     "BIT_ESTIMATE",
@@ -30,6 +41,7 @@ __all__ = [
     "SENSOR_ALIVE",
     "SENSOR_COMMAND",
     "SENSOR_EVENT",
+    "SENSOR_STATE",
     "SENSOR_STATUS",
     "SENSOR_TICK",
     "STRING_PROFILE",
@@ -39,12 +51,14 @@ __all__ = [
     "SURFACE_SPEED",
     "SURFACE_TOPICS",
     "SURFACE_TORQUE",
+    "Array",
     "ChannelStatus",
     "Estimate",
     "Event",
     "Message",
     "Profile",
     "Sample",
+    "State",
     "Status",
     "Tick",
     "message_type",

@@ -1,8 +1,8 @@
 """The keys below a rig's prefix, and the message that each carries."""
 
-from vsensor.messages.vsensor_pb2 import Estimate, Event, Profile, Sample, Status, Tick
+from vsensor.messages.vsensor_pb2 import Estimate, Event, Profile, Sample, State, Status, Tick
 
-Message = Sample | Tick | Estimate | Profile | Status | Event
+Message = Sample | Tick | Estimate | Profile | Status | Event | State
 
 SURFACE = "surface/*"
 SURFACE_TORQUE = "surface/torque"
@@ -16,6 +16,7 @@ STRING_PROFILE = "string/profile"
 SENSOR_TICK = "sensor/tick"
 SENSOR_STATUS = "sensor/status"
 SENSOR_EVENT = "sensor/event"
+SENSOR_STATE = "sensor/state"  # in sessions alone
 DEPTH_TOPICS = (SURFACE_BIT_DEPTH, SURFACE_HOLE_DEPTH)
 SURFACE_TOPICS = (SURFACE_TORQUE, SURFACE_SPEED, *DEPTH_TOPICS)
 SENSOR_COMMAND = "sensor/command"  # queryable
@@ -33,6 +34,7 @@ _TYPES: dict[str, type[Message]] = {
     SENSOR_TICK: Tick,
     SENSOR_STATUS: Status,
     SENSOR_EVENT: Event,
+    SENSOR_STATE: State,
 }
 
 

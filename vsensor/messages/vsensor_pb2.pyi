@@ -751,6 +751,12 @@ class Status(_message.Message):
     LOAD_FIELD_NUMBER: _builtins.int
     SHED_FIELD_NUMBER: _builtins.int
     SHEDDINGS_FIELD_NUMBER: _builtins.int
+    RECORDING_TROUBLE_FIELD_NUMBER: _builtins.int
+    RECORDING_BYTES_FIELD_NUMBER: _builtins.int
+    RECORDING_FREE_BYTES_FIELD_NUMBER: _builtins.int
+    RECORDING_PARTS_FIELD_NUMBER: _builtins.int
+    RECORDING_DELETED_FIELD_NUMBER: _builtins.int
+    RECORDING_MEMORY_S_FIELD_NUMBER: _builtins.int
     time_ns: _builtins.int
     """our clock"""
     rig: _builtins.str
@@ -839,6 +845,20 @@ class Status(_message.Message):
     """what the loop leaves out to keep up: 0 nothing, 1 profile, 2 forecast too"""
     sheddings: _builtins.int
     """how often it began to leave something out"""
+    recording_trouble: _builtins.str
+    """The recorder: `recording`, `recorded` and `recorder_dropped` above, and
+    what keeps it from recording; absent while all is well
+    """
+    recording_bytes: _builtins.int
+    """of the file being written"""
+    recording_free_bytes: _builtins.int
+    """on its disk"""
+    recording_parts: _builtins.int
+    """files begun since the start"""
+    recording_deleted: _builtins.int
+    """old sessions deleted to keep within the limits"""
+    recording_memory_s: _builtins.float
+    """how far back a snapshot would reach"""
     @_builtins.property
     def channels(self) -> _containers.RepeatedCompositeFieldContainer[Global___ChannelStatus]: ...
     @_builtins.property
@@ -920,10 +940,16 @@ class Status(_message.Message):
         load: _builtins.float | None = ...,
         shed: _builtins.int | None = ...,
         sheddings: _builtins.int | None = ...,
+        recording_trouble: _builtins.str | None = ...,
+        recording_bytes: _builtins.int | None = ...,
+        recording_free_bytes: _builtins.int | None = ...,
+        recording_parts: _builtins.int | None = ...,
+        recording_deleted: _builtins.int | None = ...,
+        recording_memory_s: _builtins.float | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_back_rotation_share", b"_back_rotation_share", "_back_rotation_turns", b"_back_rotation_turns", "_bandwidth_hz", b"_bandwidth_hz", "_bit_power_w", b"_bit_power_w", "_confirmed_delay_s", b"_confirmed_delay_s", "_delay_correction", b"_delay_correction", "_delay_correction_std", b"_delay_correction_std", "_forecast_horizon_s", b"_forecast_horizon_s", "_friction_correction", b"_friction_correction", "_friction_correction_std", b"_friction_correction_std", "_inertia_correction", b"_inertia_correction", "_inertia_correction_std", b"_inertia_correction_std", "_input_age", b"_input_age", "_input_age_p50_s", b"_input_age_p50_s", "_input_age_p99_s", b"_input_age_p99_s", "_lateness", b"_lateness", "_lateness_p50_s", b"_lateness_p50_s", "_lateness_p99_s", b"_lateness_p99_s", "_law_kinetic_nm", b"_law_kinetic_nm", "_law_static_nm", b"_law_static_nm", "_law_stribeck_rad_s", b"_law_stribeck_rad_s", "_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad", "_load", b"_load", "_lost_power_w", b"_lost_power_w", "_memory_locked", b"_memory_locked", "_off_bottom", b"_off_bottom", "_processors", b"_processors", "_publish", b"_publish", "_publish_p50_s", b"_publish_p50_s", "_publish_p99_s", b"_publish_p99_s", "_published", b"_published", "_rate_hz", b"_rate_hz", "_realtime", b"_realtime", "_recorded", b"_recorded", "_recorder_dropped", b"_recorder_dropped", "_recording", b"_recording", "_restarts", b"_restarts", "_rig", b"_rig", "_rock_std_nm", b"_rock_std_nm", "_scheduling", b"_scheduling", "_severity", b"_severity", "_severity_window_s", b"_severity_window_s", "_shed", b"_shed", "_sheddings", b"_sheddings", "_slots_due", b"_slots_due", "_slots_run", b"_slots_run", "_slots_skipped", b"_slots_skipped", "_state", b"_state", "_stick_lead_s", b"_stick_lead_s", "_stick_slip_period_s", b"_stick_slip_period_s", "_sticks_false", b"_sticks_false", "_sticks_foretold", b"_sticks_foretold", "_sticks_missed", b"_sticks_missed", "_string_length_m", b"_string_length_m", "_stuck_share", b"_stuck_share", "_ticks", b"_ticks", "_time_ns", b"_time_ns", "_top_power_w", b"_top_power_w", "_uptime_s", b"_uptime_s", "_version", b"_version", "_work", b"_work", "_work_p50_s", b"_work_p50_s", "_work_p99_s", b"_work_p99_s", "back_rotation_share", b"back_rotation_share", "back_rotation_turns", b"back_rotation_turns", "bandwidth_hz", b"bandwidth_hz", "bit_power_w", b"bit_power_w", "confirmed_delay_s", b"confirmed_delay_s", "delay_correction", b"delay_correction", "delay_correction_std", b"delay_correction_std", "forecast_horizon_s", b"forecast_horizon_s", "friction_correction", b"friction_correction", "friction_correction_std", b"friction_correction_std", "inertia_correction", b"inertia_correction", "inertia_correction_std", b"inertia_correction_std", "input_age", b"input_age", "input_age_p50_s", b"input_age_p50_s", "input_age_p99_s", b"input_age_p99_s", "lateness", b"lateness", "lateness_p50_s", b"lateness_p50_s", "lateness_p99_s", b"lateness_p99_s", "law_kinetic_nm", b"law_kinetic_nm", "law_static_nm", b"law_static_nm", "law_stribeck_rad_s", b"law_stribeck_rad_s", "law_viscous_nm_s_rad", b"law_viscous_nm_s_rad", "load", b"load", "lost_power_w", b"lost_power_w", "memory_locked", b"memory_locked", "off_bottom", b"off_bottom", "processors", b"processors", "publish", b"publish", "publish_p50_s", b"publish_p50_s", "publish_p99_s", b"publish_p99_s", "published", b"published", "rate_hz", b"rate_hz", "realtime", b"realtime", "recorded", b"recorded", "recorder_dropped", b"recorder_dropped", "recording", b"recording", "restarts", b"restarts", "rig", b"rig", "rock_std_nm", b"rock_std_nm", "scheduling", b"scheduling", "severity", b"severity", "severity_window_s", b"severity_window_s", "shed", b"shed", "sheddings", b"sheddings", "slots_due", b"slots_due", "slots_run", b"slots_run", "slots_skipped", b"slots_skipped", "state", b"state", "stick_lead_s", b"stick_lead_s", "stick_slip_period_s", b"stick_slip_period_s", "sticks_false", b"sticks_false", "sticks_foretold", b"sticks_foretold", "sticks_missed", b"sticks_missed", "string_length_m", b"string_length_m", "stuck_share", b"stuck_share", "ticks", b"ticks", "time_ns", b"time_ns", "top_power_w", b"top_power_w", "uptime_s", b"uptime_s", "version", b"version", "work", b"work", "work_p50_s", b"work_p50_s", "work_p99_s", b"work_p99_s"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_back_rotation_share", b"_back_rotation_share", "_back_rotation_turns", b"_back_rotation_turns", "_bandwidth_hz", b"_bandwidth_hz", "_bit_power_w", b"_bit_power_w", "_confirmed_delay_s", b"_confirmed_delay_s", "_delay_correction", b"_delay_correction", "_delay_correction_std", b"_delay_correction_std", "_forecast_horizon_s", b"_forecast_horizon_s", "_friction_correction", b"_friction_correction", "_friction_correction_std", b"_friction_correction_std", "_inertia_correction", b"_inertia_correction", "_inertia_correction_std", b"_inertia_correction_std", "_input_age", b"_input_age", "_input_age_p50_s", b"_input_age_p50_s", "_input_age_p99_s", b"_input_age_p99_s", "_lateness", b"_lateness", "_lateness_p50_s", b"_lateness_p50_s", "_lateness_p99_s", b"_lateness_p99_s", "_law_kinetic_nm", b"_law_kinetic_nm", "_law_static_nm", b"_law_static_nm", "_law_stribeck_rad_s", b"_law_stribeck_rad_s", "_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad", "_load", b"_load", "_lost_power_w", b"_lost_power_w", "_memory_locked", b"_memory_locked", "_off_bottom", b"_off_bottom", "_processors", b"_processors", "_publish", b"_publish", "_publish_p50_s", b"_publish_p50_s", "_publish_p99_s", b"_publish_p99_s", "_published", b"_published", "_rate_hz", b"_rate_hz", "_realtime", b"_realtime", "_recorded", b"_recorded", "_recorder_dropped", b"_recorder_dropped", "_recording", b"_recording", "_recording_bytes", b"_recording_bytes", "_recording_deleted", b"_recording_deleted", "_recording_free_bytes", b"_recording_free_bytes", "_recording_memory_s", b"_recording_memory_s", "_recording_parts", b"_recording_parts", "_recording_trouble", b"_recording_trouble", "_restarts", b"_restarts", "_rig", b"_rig", "_rock_std_nm", b"_rock_std_nm", "_scheduling", b"_scheduling", "_severity", b"_severity", "_severity_window_s", b"_severity_window_s", "_shed", b"_shed", "_sheddings", b"_sheddings", "_slots_due", b"_slots_due", "_slots_run", b"_slots_run", "_slots_skipped", b"_slots_skipped", "_state", b"_state", "_stick_lead_s", b"_stick_lead_s", "_stick_slip_period_s", b"_stick_slip_period_s", "_sticks_false", b"_sticks_false", "_sticks_foretold", b"_sticks_foretold", "_sticks_missed", b"_sticks_missed", "_string_length_m", b"_string_length_m", "_stuck_share", b"_stuck_share", "_ticks", b"_ticks", "_time_ns", b"_time_ns", "_top_power_w", b"_top_power_w", "_uptime_s", b"_uptime_s", "_version", b"_version", "_work", b"_work", "_work_p50_s", b"_work_p50_s", "_work_p99_s", b"_work_p99_s", "back_rotation_share", b"back_rotation_share", "back_rotation_turns", b"back_rotation_turns", "bandwidth_hz", b"bandwidth_hz", "bit_power_w", b"bit_power_w", "confirmed_delay_s", b"confirmed_delay_s", "delay_correction", b"delay_correction", "delay_correction_std", b"delay_correction_std", "forecast_horizon_s", b"forecast_horizon_s", "friction_correction", b"friction_correction", "friction_correction_std", b"friction_correction_std", "inertia_correction", b"inertia_correction", "inertia_correction_std", b"inertia_correction_std", "input_age", b"input_age", "input_age_p50_s", b"input_age_p50_s", "input_age_p99_s", b"input_age_p99_s", "lateness", b"lateness", "lateness_p50_s", b"lateness_p50_s", "lateness_p99_s", b"lateness_p99_s", "law_kinetic_nm", b"law_kinetic_nm", "law_static_nm", b"law_static_nm", "law_stribeck_rad_s", b"law_stribeck_rad_s", "law_viscous_nm_s_rad", b"law_viscous_nm_s_rad", "load", b"load", "lost_power_w", b"lost_power_w", "memory_locked", b"memory_locked", "off_bottom", b"off_bottom", "processors", b"processors", "publish", b"publish", "publish_p50_s", b"publish_p50_s", "publish_p99_s", b"publish_p99_s", "published", b"published", "rate_hz", b"rate_hz", "realtime", b"realtime", "recorded", b"recorded", "recorder_dropped", b"recorder_dropped", "recording", b"recording", "recording_bytes", b"recording_bytes", "recording_deleted", b"recording_deleted", "recording_free_bytes", b"recording_free_bytes", "recording_memory_s", b"recording_memory_s", "recording_parts", b"recording_parts", "recording_trouble", b"recording_trouble", "restarts", b"restarts", "rig", b"rig", "rock_std_nm", b"rock_std_nm", "scheduling", b"scheduling", "severity", b"severity", "severity_window_s", b"severity_window_s", "shed", b"shed", "sheddings", b"sheddings", "slots_due", b"slots_due", "slots_run", b"slots_run", "slots_skipped", b"slots_skipped", "state", b"state", "stick_lead_s", b"stick_lead_s", "stick_slip_period_s", b"stick_slip_period_s", "sticks_false", b"sticks_false", "sticks_foretold", b"sticks_foretold", "sticks_missed", b"sticks_missed", "string_length_m", b"string_length_m", "stuck_share", b"stuck_share", "ticks", b"ticks", "time_ns", b"time_ns", "top_power_w", b"top_power_w", "uptime_s", b"uptime_s", "version", b"version", "work", b"work", "work_p50_s", b"work_p50_s", "work_p99_s", b"work_p99_s"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_back_rotation_share", b"_back_rotation_share", "_back_rotation_turns", b"_back_rotation_turns", "_bandwidth_hz", b"_bandwidth_hz", "_bit_power_w", b"_bit_power_w", "_confirmed_delay_s", b"_confirmed_delay_s", "_delay_correction", b"_delay_correction", "_delay_correction_std", b"_delay_correction_std", "_forecast_horizon_s", b"_forecast_horizon_s", "_friction_correction", b"_friction_correction", "_friction_correction_std", b"_friction_correction_std", "_inertia_correction", b"_inertia_correction", "_inertia_correction_std", b"_inertia_correction_std", "_input_age", b"_input_age", "_input_age_p50_s", b"_input_age_p50_s", "_input_age_p99_s", b"_input_age_p99_s", "_lateness", b"_lateness", "_lateness_p50_s", b"_lateness_p50_s", "_lateness_p99_s", b"_lateness_p99_s", "_law_kinetic_nm", b"_law_kinetic_nm", "_law_static_nm", b"_law_static_nm", "_law_stribeck_rad_s", b"_law_stribeck_rad_s", "_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad", "_load", b"_load", "_lost_power_w", b"_lost_power_w", "_memory_locked", b"_memory_locked", "_off_bottom", b"_off_bottom", "_processors", b"_processors", "_publish", b"_publish", "_publish_p50_s", b"_publish_p50_s", "_publish_p99_s", b"_publish_p99_s", "_published", b"_published", "_rate_hz", b"_rate_hz", "_realtime", b"_realtime", "_recorded", b"_recorded", "_recorder_dropped", b"_recorder_dropped", "_recording", b"_recording", "_restarts", b"_restarts", "_rig", b"_rig", "_rock_std_nm", b"_rock_std_nm", "_scheduling", b"_scheduling", "_severity", b"_severity", "_severity_window_s", b"_severity_window_s", "_shed", b"_shed", "_sheddings", b"_sheddings", "_slots_due", b"_slots_due", "_slots_run", b"_slots_run", "_slots_skipped", b"_slots_skipped", "_state", b"_state", "_stick_lead_s", b"_stick_lead_s", "_stick_slip_period_s", b"_stick_slip_period_s", "_sticks_false", b"_sticks_false", "_sticks_foretold", b"_sticks_foretold", "_sticks_missed", b"_sticks_missed", "_string_length_m", b"_string_length_m", "_stuck_share", b"_stuck_share", "_ticks", b"_ticks", "_time_ns", b"_time_ns", "_top_power_w", b"_top_power_w", "_uptime_s", b"_uptime_s", "_version", b"_version", "_work", b"_work", "_work_p50_s", b"_work_p50_s", "_work_p99_s", b"_work_p99_s", "back_rotation_share", b"back_rotation_share", "back_rotation_turns", b"back_rotation_turns", "bandwidth_hz", b"bandwidth_hz", "bit_power_w", b"bit_power_w", "channels", b"channels", "confirmed_delay_s", b"confirmed_delay_s", "delay_correction", b"delay_correction", "delay_correction_std", b"delay_correction_std", "forecast_horizon_s", b"forecast_horizon_s", "friction_correction", b"friction_correction", "friction_correction_std", b"friction_correction_std", "inertia_correction", b"inertia_correction", "inertia_correction_std", b"inertia_correction_std", "input_age", b"input_age", "input_age_p50_s", b"input_age_p50_s", "input_age_p99_s", b"input_age_p99_s", "lateness", b"lateness", "lateness_p50_s", b"lateness_p50_s", "lateness_p99_s", b"lateness_p99_s", "law_kinetic_nm", b"law_kinetic_nm", "law_static_nm", b"law_static_nm", "law_stribeck_rad_s", b"law_stribeck_rad_s", "law_viscous_nm_s_rad", b"law_viscous_nm_s_rad", "load", b"load", "lost_power_w", b"lost_power_w", "memory_locked", b"memory_locked", "off_bottom", b"off_bottom", "processors", b"processors", "publish", b"publish", "publish_p50_s", b"publish_p50_s", "publish_p99_s", b"publish_p99_s", "published", b"published", "rate_hz", b"rate_hz", "realtime", b"realtime", "recorded", b"recorded", "recorder_dropped", b"recorder_dropped", "recording", b"recording", "restarts", b"restarts", "rig", b"rig", "rock_std_nm", b"rock_std_nm", "scheduling", b"scheduling", "severity", b"severity", "severity_window_s", b"severity_window_s", "shed", b"shed", "sheddings", b"sheddings", "slots_due", b"slots_due", "slots_run", b"slots_run", "slots_skipped", b"slots_skipped", "state", b"state", "stick_lead_s", b"stick_lead_s", "stick_slip_period_s", b"stick_slip_period_s", "sticks_false", b"sticks_false", "sticks_foretold", b"sticks_foretold", "sticks_missed", b"sticks_missed", "string_length_m", b"string_length_m", "stuck_share", b"stuck_share", "ticks", b"ticks", "time_ns", b"time_ns", "top_power_w", b"top_power_w", "uptime_s", b"uptime_s", "version", b"version", "work", b"work", "work_p50_s", b"work_p50_s", "work_p99_s", b"work_p99_s"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_back_rotation_share", b"_back_rotation_share", "_back_rotation_turns", b"_back_rotation_turns", "_bandwidth_hz", b"_bandwidth_hz", "_bit_power_w", b"_bit_power_w", "_confirmed_delay_s", b"_confirmed_delay_s", "_delay_correction", b"_delay_correction", "_delay_correction_std", b"_delay_correction_std", "_forecast_horizon_s", b"_forecast_horizon_s", "_friction_correction", b"_friction_correction", "_friction_correction_std", b"_friction_correction_std", "_inertia_correction", b"_inertia_correction", "_inertia_correction_std", b"_inertia_correction_std", "_input_age", b"_input_age", "_input_age_p50_s", b"_input_age_p50_s", "_input_age_p99_s", b"_input_age_p99_s", "_lateness", b"_lateness", "_lateness_p50_s", b"_lateness_p50_s", "_lateness_p99_s", b"_lateness_p99_s", "_law_kinetic_nm", b"_law_kinetic_nm", "_law_static_nm", b"_law_static_nm", "_law_stribeck_rad_s", b"_law_stribeck_rad_s", "_law_viscous_nm_s_rad", b"_law_viscous_nm_s_rad", "_load", b"_load", "_lost_power_w", b"_lost_power_w", "_memory_locked", b"_memory_locked", "_off_bottom", b"_off_bottom", "_processors", b"_processors", "_publish", b"_publish", "_publish_p50_s", b"_publish_p50_s", "_publish_p99_s", b"_publish_p99_s", "_published", b"_published", "_rate_hz", b"_rate_hz", "_realtime", b"_realtime", "_recorded", b"_recorded", "_recorder_dropped", b"_recorder_dropped", "_recording", b"_recording", "_recording_bytes", b"_recording_bytes", "_recording_deleted", b"_recording_deleted", "_recording_free_bytes", b"_recording_free_bytes", "_recording_memory_s", b"_recording_memory_s", "_recording_parts", b"_recording_parts", "_recording_trouble", b"_recording_trouble", "_restarts", b"_restarts", "_rig", b"_rig", "_rock_std_nm", b"_rock_std_nm", "_scheduling", b"_scheduling", "_severity", b"_severity", "_severity_window_s", b"_severity_window_s", "_shed", b"_shed", "_sheddings", b"_sheddings", "_slots_due", b"_slots_due", "_slots_run", b"_slots_run", "_slots_skipped", b"_slots_skipped", "_state", b"_state", "_stick_lead_s", b"_stick_lead_s", "_stick_slip_period_s", b"_stick_slip_period_s", "_sticks_false", b"_sticks_false", "_sticks_foretold", b"_sticks_foretold", "_sticks_missed", b"_sticks_missed", "_string_length_m", b"_string_length_m", "_stuck_share", b"_stuck_share", "_ticks", b"_ticks", "_time_ns", b"_time_ns", "_top_power_w", b"_top_power_w", "_uptime_s", b"_uptime_s", "_version", b"_version", "_work", b"_work", "_work_p50_s", b"_work_p50_s", "_work_p99_s", b"_work_p99_s", "back_rotation_share", b"back_rotation_share", "back_rotation_turns", b"back_rotation_turns", "bandwidth_hz", b"bandwidth_hz", "bit_power_w", b"bit_power_w", "channels", b"channels", "confirmed_delay_s", b"confirmed_delay_s", "delay_correction", b"delay_correction", "delay_correction_std", b"delay_correction_std", "forecast_horizon_s", b"forecast_horizon_s", "friction_correction", b"friction_correction", "friction_correction_std", b"friction_correction_std", "inertia_correction", b"inertia_correction", "inertia_correction_std", b"inertia_correction_std", "input_age", b"input_age", "input_age_p50_s", b"input_age_p50_s", "input_age_p99_s", b"input_age_p99_s", "lateness", b"lateness", "lateness_p50_s", b"lateness_p50_s", "lateness_p99_s", b"lateness_p99_s", "law_kinetic_nm", b"law_kinetic_nm", "law_static_nm", b"law_static_nm", "law_stribeck_rad_s", b"law_stribeck_rad_s", "law_viscous_nm_s_rad", b"law_viscous_nm_s_rad", "load", b"load", "lost_power_w", b"lost_power_w", "memory_locked", b"memory_locked", "off_bottom", b"off_bottom", "processors", b"processors", "publish", b"publish", "publish_p50_s", b"publish_p50_s", "publish_p99_s", b"publish_p99_s", "published", b"published", "rate_hz", b"rate_hz", "realtime", b"realtime", "recorded", b"recorded", "recorder_dropped", b"recorder_dropped", "recording", b"recording", "recording_bytes", b"recording_bytes", "recording_deleted", b"recording_deleted", "recording_free_bytes", b"recording_free_bytes", "recording_memory_s", b"recording_memory_s", "recording_parts", b"recording_parts", "recording_trouble", b"recording_trouble", "restarts", b"restarts", "rig", b"rig", "rock_std_nm", b"rock_std_nm", "scheduling", b"scheduling", "severity", b"severity", "severity_window_s", b"severity_window_s", "shed", b"shed", "sheddings", b"sheddings", "slots_due", b"slots_due", "slots_run", b"slots_run", "slots_skipped", b"slots_skipped", "state", b"state", "stick_lead_s", b"stick_lead_s", "stick_slip_period_s", b"stick_slip_period_s", "sticks_false", b"sticks_false", "sticks_foretold", b"sticks_foretold", "sticks_missed", b"sticks_missed", "string_length_m", b"string_length_m", "stuck_share", b"stuck_share", "ticks", b"ticks", "time_ns", b"time_ns", "top_power_w", b"top_power_w", "uptime_s", b"uptime_s", "version", b"version", "work", b"work", "work_p50_s", b"work_p50_s", "work_p99_s", b"work_p99_s"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__back_rotation_share: _TypeAlias = _typing.Literal["back_rotation_share"]  # noqa: Y015
     _WhichOneofArgType__back_rotation_share: _TypeAlias = _typing.Literal["_back_rotation_share", b"_back_rotation_share"]  # noqa: Y015
@@ -997,6 +1023,18 @@ class Status(_message.Message):
     _WhichOneofArgType__recorder_dropped: _TypeAlias = _typing.Literal["_recorder_dropped", b"_recorder_dropped"]  # noqa: Y015
     _WhichOneofReturnType__recording: _TypeAlias = _typing.Literal["recording"]  # noqa: Y015
     _WhichOneofArgType__recording: _TypeAlias = _typing.Literal["_recording", b"_recording"]  # noqa: Y015
+    _WhichOneofReturnType__recording_bytes: _TypeAlias = _typing.Literal["recording_bytes"]  # noqa: Y015
+    _WhichOneofArgType__recording_bytes: _TypeAlias = _typing.Literal["_recording_bytes", b"_recording_bytes"]  # noqa: Y015
+    _WhichOneofReturnType__recording_deleted: _TypeAlias = _typing.Literal["recording_deleted"]  # noqa: Y015
+    _WhichOneofArgType__recording_deleted: _TypeAlias = _typing.Literal["_recording_deleted", b"_recording_deleted"]  # noqa: Y015
+    _WhichOneofReturnType__recording_free_bytes: _TypeAlias = _typing.Literal["recording_free_bytes"]  # noqa: Y015
+    _WhichOneofArgType__recording_free_bytes: _TypeAlias = _typing.Literal["_recording_free_bytes", b"_recording_free_bytes"]  # noqa: Y015
+    _WhichOneofReturnType__recording_memory_s: _TypeAlias = _typing.Literal["recording_memory_s"]  # noqa: Y015
+    _WhichOneofArgType__recording_memory_s: _TypeAlias = _typing.Literal["_recording_memory_s", b"_recording_memory_s"]  # noqa: Y015
+    _WhichOneofReturnType__recording_parts: _TypeAlias = _typing.Literal["recording_parts"]  # noqa: Y015
+    _WhichOneofArgType__recording_parts: _TypeAlias = _typing.Literal["_recording_parts", b"_recording_parts"]  # noqa: Y015
+    _WhichOneofReturnType__recording_trouble: _TypeAlias = _typing.Literal["recording_trouble"]  # noqa: Y015
+    _WhichOneofArgType__recording_trouble: _TypeAlias = _typing.Literal["_recording_trouble", b"_recording_trouble"]  # noqa: Y015
     _WhichOneofReturnType__restarts: _TypeAlias = _typing.Literal["restarts"]  # noqa: Y015
     _WhichOneofArgType__restarts: _TypeAlias = _typing.Literal["_restarts", b"_restarts"]  # noqa: Y015
     _WhichOneofReturnType__rig: _TypeAlias = _typing.Literal["rig"]  # noqa: Y015
@@ -1124,6 +1162,18 @@ class Status(_message.Message):
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__recording) -> _WhichOneofReturnType__recording | None: ...
     @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__recording_bytes) -> _WhichOneofReturnType__recording_bytes | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__recording_deleted) -> _WhichOneofReturnType__recording_deleted | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__recording_free_bytes) -> _WhichOneofReturnType__recording_free_bytes | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__recording_memory_s) -> _WhichOneofReturnType__recording_memory_s | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__recording_parts) -> _WhichOneofReturnType__recording_parts | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__recording_trouble) -> _WhichOneofReturnType__recording_trouble | None: ...
+    @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__restarts) -> _WhichOneofReturnType__restarts | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__rig) -> _WhichOneofReturnType__rig | None: ...
@@ -1225,3 +1275,96 @@ class Event(_message.Message):
     def WhichOneof(self, oneof_group: _WhichOneofArgType__time_ns) -> _WhichOneofReturnType__time_ns | None: ...
 
 Global___Event: _TypeAlias = Event  # noqa: Y015
+
+@_typing.final
+class Array(_message.Message):
+    """One array of numbers, as NumPy holds it."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    NAME_FIELD_NUMBER: _builtins.int
+    DTYPE_FIELD_NUMBER: _builtins.int
+    SHAPE_FIELD_NUMBER: _builtins.int
+    DATA_FIELD_NUMBER: _builtins.int
+    name: _builtins.str
+    dtype: _builtins.str
+    """NumPy's name, byte order first: <f8"""
+    data: _builtins.bytes
+    """row by row"""
+    @_builtins.property
+    def shape(self) -> _containers.RepeatedScalarFieldContainer[_builtins.int]: ...
+    def __init__(
+        self,
+        *,
+        name: _builtins.str | None = ...,
+        dtype: _builtins.str | None = ...,
+        shape: _abc.Iterable[_builtins.int] | None = ...,
+        data: _builtins.bytes | None = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_data", b"_data", "_dtype", b"_dtype", "_name", b"_name", "data", b"data", "dtype", b"dtype", "name", b"name"]  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_data", b"_data", "_dtype", b"_dtype", "_name", b"_name", "data", b"data", "dtype", b"dtype", "name", b"name", "shape", b"shape"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    _WhichOneofReturnType__data: _TypeAlias = _typing.Literal["data"]  # noqa: Y015
+    _WhichOneofArgType__data: _TypeAlias = _typing.Literal["_data", b"_data"]  # noqa: Y015
+    _WhichOneofReturnType__dtype: _TypeAlias = _typing.Literal["dtype"]  # noqa: Y015
+    _WhichOneofArgType__dtype: _TypeAlias = _typing.Literal["_dtype", b"_dtype"]  # noqa: Y015
+    _WhichOneofReturnType__name: _TypeAlias = _typing.Literal["name"]  # noqa: Y015
+    _WhichOneofArgType__name: _TypeAlias = _typing.Literal["_name", b"_name"]  # noqa: Y015
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__data) -> _WhichOneofReturnType__data | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__dtype) -> _WhichOneofReturnType__dtype | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__name) -> _WhichOneofReturnType__name | None: ...
+
+Global___Array: _TypeAlias = Array  # noqa: Y015
+
+@_typing.final
+class State(_message.Message):
+    """All that the sensor remembers between two ticks: at the start of each part of a session, and after each loss,
+    so that what follows can be computed again. Of the version of vsensor that the session names.
+    """
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    TIME_NS_FIELD_NUMBER: _builtins.int
+    NUMBER_FIELD_NUMBER: _builtins.int
+    INTAKE_FIELD_NUMBER: _builtins.int
+    ARRAYS_FIELD_NUMBER: _builtins.int
+    time_ns: _builtins.int
+    """of the newest tick; absent before the first"""
+    number: _builtins.int
+    """the next tick's"""
+    intake: _builtins.str
+    """samples waiting for their tick, and the depths, as JSON"""
+    @_builtins.property
+    def arrays(self) -> _containers.RepeatedCompositeFieldContainer[Global___Array]:
+        """the estimator's"""
+
+    def __init__(
+        self,
+        *,
+        time_ns: _builtins.int | None = ...,
+        number: _builtins.int | None = ...,
+        intake: _builtins.str | None = ...,
+        arrays: _abc.Iterable[Global___Array] | None = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_intake", b"_intake", "_number", b"_number", "_time_ns", b"_time_ns", "intake", b"intake", "number", b"number", "time_ns", b"time_ns"]  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_intake", b"_intake", "_number", b"_number", "_time_ns", b"_time_ns", "arrays", b"arrays", "intake", b"intake", "number", b"number", "time_ns", b"time_ns"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    _WhichOneofReturnType__intake: _TypeAlias = _typing.Literal["intake"]  # noqa: Y015
+    _WhichOneofArgType__intake: _TypeAlias = _typing.Literal["_intake", b"_intake"]  # noqa: Y015
+    _WhichOneofReturnType__number: _TypeAlias = _typing.Literal["number"]  # noqa: Y015
+    _WhichOneofArgType__number: _TypeAlias = _typing.Literal["_number", b"_number"]  # noqa: Y015
+    _WhichOneofReturnType__time_ns: _TypeAlias = _typing.Literal["time_ns"]  # noqa: Y015
+    _WhichOneofArgType__time_ns: _TypeAlias = _typing.Literal["_time_ns", b"_time_ns"]  # noqa: Y015
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__intake) -> _WhichOneofReturnType__intake | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__number) -> _WhichOneofReturnType__number | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__time_ns) -> _WhichOneofReturnType__time_ns | None: ...
+
+Global___State: _TypeAlias = State  # noqa: Y015

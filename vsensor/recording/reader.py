@@ -12,7 +12,7 @@ from mcap.summary import Summary as Index
 from mcap.well_known import MessageEncoding
 
 from vsensor.errors import InputError
-from vsensor.messages import Message, message_type
+from vsensor.messages import SENSOR_STATE, SENSOR_TICK, SURFACE_TOPICS, Message, State, message_type
 from vsensor.recording.scan import Scan
 from vsensor.recording.summary import Summary, summarise
 from vsensor.recording.writer import CONFIGURATION, METADATA, RECORDER
@@ -78,6 +78,11 @@ class Session:
             yield Record(topic, decoded, message.log_time, message.publish_time)
         if self.complete:
             self._check_nothing_missed(scan)
+
+    def state(self) -> State | None:
+        """What the recording sensor remembered at the start; None where the session does not tell."""
+        first = next(self.messages((SENSOR_STATE, SENSOR_TICK, *SURFACE_TOPICS)), None)
+        return first.message if first is not None and isinstance(first.message, State) else None
 
     def summary(self) -> Summary:
         """What is in it; instant for a complete session, one reading of the file for a torn one."""

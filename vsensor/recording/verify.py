@@ -2,9 +2,10 @@
 
 import struct
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Protocol
 
-from vsensor.messages import BIT_ESTIMATE, SENSOR_TICK, Estimate, Tick
+from vsensor.messages import BIT_ESTIMATE, SENSOR_STATE, SENSOR_TICK, Estimate, State, Tick
 from vsensor.recording.reader import Session
 
 
@@ -20,61 +21,125 @@ class Mismatch:
 
 @dataclass(frozen=True, slots=True)
 class Gap:
-    """Ticks that the recorder did not get: the estimator's state after them cannot be had again."""
+    """Ticks that the recorder did not get: the estimator is known again at the next recorded state.
 
-    expected: int
+    `expected` is None where a session begins in the middle without one.
+    """
+
+    expected: int | None
     found: int
 
 
-@dataclass(frozen=True, slots=True)
-class Verdict:
-    """What verification found; `compared` are the ticks whose estimate was recorded too."""
+class Machine(Protocol):
+    """What runs a session's inputs again."""
 
-    ticks: int
-    compared: int
-    mismatches: int
-    first: Mismatch | None
-    gap: Gap | None
+    def step(self, tick: Tick) -> Estimate:
+        """Run one tick; number 0 means that all input before is forgotten."""
+
+    def take_up(self, state: State) -> None:
+        """Go on from a recorded state; ValueError where it does not fit."""
+
+    def forget(self) -> None:
+        """Forget all input; what was learned stays."""
+
+
+@dataclass(slots=True)
+class Verdict:
+    """What verification found; `compared` are the ticks run again whose estimate was recorded too."""
+
+    ticks: int = 0
+    compared: int = 0
+    skipped: int = 0
+    """Ticks behind a gap, which could not be run again."""
+    mismatches: int = 0
+    first: Mismatch | None = None
+    gaps: list[Gap] = field(default_factory=list)
+    misfit: str = ""
+    """Why the first of the recorded states that did not fit was not taken up."""
 
     @property
     def exact(self) -> bool:
         """Whether something was compared, nothing differed and nothing was missing."""
-        return self.compared > 0 and not self.mismatches and self.gap is None
+        return self.compared > 0 and not (self.mismatches or self.gaps or self.misfit)
 
 
-def verify(session: Session, step: Callable[[Tick], Estimate]) -> Verdict:
-    """Feed the session's ticks to `step` in order and compare its estimates with the recorded ones.
+Pair = tuple[Estimate, Estimate]
+"""An estimate as it was recorded, and as it comes out now."""
 
-    A tick numbered 0 is an estimator's first: `step` has forgotten all input there. A tick's estimate stands
-    behind it in the file. At a hole in the numbers verification ends, with `gap` telling where.
+
+def verify(
+    session: Session, machine: Machine, *, strict: bool = True, see: Callable[[Pair], None] = lambda _: None
+) -> Verdict:
+    """Run the session's ticks again in order, and compare the estimates with the recorded ones.
+
+    A session's first state, and the first behind a hole in the ticks' numbers, is taken up; so each part of a
+    recording stands alone. A tick's estimate stands behind it in the file. `see` hears of each pair. Ticks
+    whose past is not known are passed over; where not `strict`, they are run as after a long silence.
     """
-    ticks = compared = mismatches = 0
-    first: Mismatch | None = None
-    recomputed: Estimate | None = None
-    expected = 0
-    for _, message, _, _ in session.messages((SENSOR_TICK, BIT_ESTIMATE)):
-        if isinstance(message, Tick):
-            if message.number not in (expected, 0):
-                return Verdict(ticks, compared, mismatches, first, Gap(expected, message.number))
-            recomputed = step(message)
-            expected = message.number + 1
-            ticks += 1
-        elif isinstance(message, Estimate) and recomputed and _same_tick(message, recomputed):
-            compared += 1
-            if (found := _difference(message, recomputed)) is not None:
-                mismatches += 1
-                first = first or found
-    return Verdict(ticks, compared, mismatches, first, None)
+    verdict = Verdict()
+    run = _Run(machine, verdict, strict)
+    for _, message, _, _ in session.messages((SENSOR_STATE, SENSOR_TICK, BIT_ESTIMATE)):
+        if isinstance(message, State):
+            run.state(message)
+        elif isinstance(message, Tick):
+            run.tick(message)
+        elif isinstance(message, Estimate) and run.newest and _same_tick(message, run.newest):
+            verdict.compared += 1
+            see((message, run.newest))
+            if (found := _difference(message, run.newest)) is not None:
+                verdict.mismatches += 1
+                verdict.first = verdict.first or found
+    return verdict
+
+
+class _Run:
+    """The machine, and whether its memory is what the recording sensor's was."""
+
+    def __init__(self, machine: Machine, verdict: Verdict, strict: bool) -> None:
+        self.newest: Estimate | None = None
+        self._machine = machine
+        self._verdict = verdict
+        self._strict = strict
+        self._expected: int | None = None
+        self._knows = False
+
+    def state(self, state: State) -> None:
+        if self._knows:
+            return
+        try:
+            self._machine.take_up(state)
+        except ValueError as error:
+            self._verdict.misfit = self._verdict.misfit or str(error)
+        else:
+            self._knows = True
+            self._expected = state.number
+
+    def tick(self, tick: Tick) -> None:
+        verdict = self._verdict
+        first = verdict.ticks + verdict.skipped == 0
+        # Number 0 begins anew, but with what was learned before: known to who saw it, or where nothing was.
+        self._knows = (self._knows or first) and tick.number in (self._expected or 0, 0)
+        if (first or tick.number != self._expected) and not self._knows and tick.number:
+            verdict.gaps.append(Gap(self._expected, tick.number))
+            self._machine.forget()
+        self._expected = tick.number + 1
+        if self._knows or not self._strict:
+            self.newest = self._machine.step(tick)
+            verdict.ticks += 1
+        else:
+            self.newest = None
+            verdict.skipped += 1
 
 
 def _difference(recorded: Estimate, recomputed: Estimate) -> Mismatch | None:
     """Where two estimates first differ; None where every field is the same, floats bit for bit."""
     if recorded.SerializeToString() == recomputed.SerializeToString():
         return None
-    for field in Estimate.DESCRIPTOR.fields:
-        was, is_now = (_value(estimate, field.name) for estimate in (recorded, recomputed))
+    for described in Estimate.DESCRIPTOR.fields:
+        name = described.name
+        was, is_now = (_value(estimate, name) for estimate in (recorded, recomputed))
         if _bits(was) != _bits(is_now):
-            return Mismatch(recorded.number, field.name, was, is_now)
+            return Mismatch(recorded.number, name, was, is_now)
     return None
 
 

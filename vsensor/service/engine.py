@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from vsensor import checkpoint
 from vsensor.config import Rig
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.figures import ROWS
@@ -22,7 +23,7 @@ from vsensor.estimator.kernel import (
 )
 from vsensor.estimator.sections import Floats
 from vsensor.intake import NS, Input, Intake
-from vsensor.messages import Estimate, Event, Sample, Tick
+from vsensor.messages import Estimate, Event, Sample, State, Tick
 from vsensor.messages.vsensor_pb2 import Quality as QualityMessage
 from vsensor.quality import Reason, verdict
 
@@ -60,6 +61,15 @@ class Engine:
         """The same, oldest first."""
         return np.roll(self.recent, -self._newest - 1, axis=1)
 
+    def take_up(self, state: State) -> None:
+        """Go on from a recorded state; ValueError where it does not fit this rig."""
+        checkpoint.take_up(state, self.intake, self.estimator)
+
+    def forget(self) -> None:
+        """Forget all input; what was learned stays."""
+        self.estimator.restart()
+        self.recent[:] = math.nan
+
     def take(self, topic: str, sample: Sample | Event | None) -> Iterator[tuple[Tick, Estimate]]:
         """Take a sample (None: unreadable) or a recorded event; yield the ticks that it completes."""
         for given in self.intake.take(topic, sample):
@@ -69,8 +79,7 @@ class Engine:
     def step(self, tick: Tick) -> Estimate:
         """Run one tick. The same ticks from the same start give the same estimates, bit for bit."""
         if tick.number == 0:
-            self.estimator.restart()
-            self.recent[:] = math.nan
+            self.forget()
         if tick.longer_by_m:
             self.estimator.lengthen(tick.longer_by_m)
         flags = tick.reasons | (OFF_BOTTOM if tick.off_bottom else 0)
