@@ -12,9 +12,20 @@ from tests.peel import descend
 from tests.strings import COLLAR, PIPE, strings
 from vsensor.config import Bit, Component
 from vsensor.estimator import component
-from vsensor.estimator.along import INTERVALS, SPEED, TORQUE, Stations, along, keep_returned, stations
+from vsensor.estimator.along import (
+    INTERVALS,
+    SPEED,
+    TORQUE,
+    Heard,
+    Stations,
+    along,
+    catch_up,
+    keep_returned,
+    stations,
+)
 from vsensor.estimator.line import EVERY_JUNCTION, march
 from vsensor.estimator.load import load_of
+from vsensor.estimator.observe import correct_waves
 from vsensor.estimator.sections import Floats, Line, cut, junction_depths
 
 STEP = 1e-2
@@ -24,6 +35,11 @@ SMOOTH = strings(most=3).map(
         part.model_copy(update={"coulomb_friction": 0.0, "static_friction": 0.0}) for part in string
     )
 )
+
+
+def unheard(line: Line) -> Heard:
+    none, whole = np.zeros((1, len(line.impedance), 1)), np.zeros(1, np.int64)
+    return Heard(none, line.round_trip, none, np.zeros(1), whole, 0, 1)
 
 
 def laid_out(string: tuple[Component, ...], step: float = STEP) -> tuple[Line, Stations]:
@@ -49,7 +65,7 @@ class Peeled:
     def told(self) -> Floats:
         told = np.empty((2, len(self.at.depth)))
         common = self.steps - 1 - self.travel
-        along(self.line, self.waves, self.returned, self.at, common, told)
+        along(self.line, self.waves, self.returned, unheard(self.line), self.at, common, told)
         return told
 
 
@@ -143,6 +159,30 @@ def test_a_part_that_was_lumped_with_its_neighbour_has_its_stations_in_the_commo
     assert at.section[at.component > 0].tolist() == [last] * int((at.component > 0).sum())
     assert int((at.component == 2).sum()) == 2
     assert int(at.down[-1] + at.inside[-1]) == int(line.round_trip.sum()) // 2
+
+
+@settings(max_examples=20)
+@given(SEEDS, st.integers(1, 3), st.integers(1, 6), st.integers(0, 40))
+def test_what_is_heard_of_waves_may_be_added_late(seed: int, steps: int, lag: int, ticks: int) -> None:
+    """As if every innovation had corrected them whole when it came."""
+    random = np.random.default_rng(seed)
+    of_waves, of_returned = random.standard_normal((2, 2, 3, lag * steps))
+    innovations, levels = random.standard_normal(24), random.integers(0, 2, 24)
+    inside, all_of_it = random.integers(0, 12, 3), np.full(3, lag * steps)
+    at_once, late = np.zeros((2, 3, 64)), np.zeros((2, 3, 64))
+    for tick in range(ticks):
+        for step in range(tick * steps, (tick + 1) * steps):
+            at_once[..., step & 63] = late[..., step & 63] = random.standard_normal((2, 3))
+        said, level = random.standard_normal(), int(random.integers(0, 2))
+        innovations[tick % 24], levels[tick % 24] = said, level
+        last = (tick + 1) * steps - 1
+        correct_waves(of_waves[level], all_of_it, at_once[0], last, said)
+        correct_waves(of_returned[level], all_of_it, at_once[1], last, said)
+        correct_waves(of_waves[level], inside, late[0], last, said)
+    heard = Heard(of_waves, inside, of_returned, innovations, levels, ticks - 1, steps)
+    known = np.arange(max(0, (ticks - 24) * steps, ticks * steps - 64), ticks * steps)
+    catch_up(heard, late[0], late[1])
+    np.testing.assert_allclose(late[..., known & 63], at_once[..., known & 63], atol=1e-12)
 
 
 def test_a_standing_wave() -> None:

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from tests.strings import COLLAR, PIPE, strings
 from vsensor.config import Component
 from vsensor.estimator import component
-from vsensor.estimator.sections import FINEST, cut, steps_per_tick
+from vsensor.estimator.sections import FINEST, cut, longest_round_trips, steps_per_tick, stretched
 
 STEPS = st.floats(1e-4, 1e-2)
 
@@ -21,6 +21,14 @@ def test_depths_are_rounded_not_lengths_so_the_error_never_adds_up(
     assume(min(delays) > step)
     line = cut(string, step, section_length)
     assert line.round_trip.sum() / 2 * step == pytest.approx(sum(delays), abs=step / 2 * (1 + 1e-9))
+
+
+@given(strings(), STEPS, st.floats(0, 0.2), st.floats(-1, 1))
+def test_no_round_trip_of_a_stretched_line_is_longer_than_its_bound(
+    string: tuple[Component, ...], step: float, most: float, part: float
+) -> None:
+    line = cut(string, step, 300)
+    assert (stretched(line, part * most).round_trip <= longest_round_trips(line, most)).all()
 
 
 @given(strings(), STEPS)

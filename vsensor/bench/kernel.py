@@ -117,7 +117,7 @@ def junctions_marched(case: Case) -> int:
 def corrected(case: Case) -> int:
     """How many numbers of the past an innovation corrects."""
     gains = case.model.gains
-    return int(gains.waves[0].size + gains.returned[0].size + gains.told[0].size)
+    return int(np.minimum(case.model.inside, gains.waves.shape[2]).sum() + gains.told[0].size)
 
 
 def run_once(contestant: Contestant) -> None:
@@ -180,8 +180,7 @@ def _correct_all(model: Model, state: State, innovation: Floats) -> None:
     for k in range(innovation.shape[0]):
         observe.correct_ends(gains, level, string, innovation[k])
         observe.correct_told(gains.told[level], string.told, last, innovation[k])
-        observe.correct_waves(gains.waves[level], string.waves, last, innovation[k])
-        observe.correct_waves(gains.returned[level], state.returned, last, innovation[k])
+        observe.correct_waves(gains.waves[level], model.inside, string.waves, last, innovation[k])
 
 
 class _Line(ctypes.Structure):
@@ -225,14 +224,13 @@ def _theirs(case: Case, c: ctypes.CDLL) -> Contestant:
 
     def correct() -> None:
         span = (number(sections), lag, string, number(first + model.steps - 1))
-        c.correct(*map(_at, gains), *span, _at(case.innovation), number(CORRECTIONS))
+        c.correct(*map(_at, gains), _at(model.inside), *span, _at(case.innovation), number(CORRECTIONS))
 
     return Contestant(march, step, correct, state)
 
 
-def _gains(model: Model) -> tuple[Floats, Floats, Floats, Floats]:
-    gains = model.gains
-    return gains.state, gains.waves, gains.returned, gains.told
+def _gains(model: Model) -> tuple[Floats, Floats, Floats]:
+    return model.gains.state, model.gains.waves, model.gains.told
 
 
 def _at(array: np.ndarray) -> ctypes.c_void_p:

@@ -174,17 +174,17 @@ void turn(const struct line *line, const struct load *load, const struct drive *
     }
 }
 
-static void correct_waves(const double *gains, int64_t sections, int64_t lag, double *waves, int64_t size,
-                          int64_t last, double innovation)
+static void correct_waves(const double *gains, const int64_t *inside, int64_t sections, int64_t lag,
+                          double *waves, int64_t size, int64_t last, double innovation)
 {
     const int64_t mask = size - 1;
     for (int64_t i = 0; i < sections; i++)
-        for (int64_t ago = 0; ago < lag; ago++)
+        for (int64_t ago = 0; ago < lag && ago < inside[i]; ago++)
             waves[i * size + ((last - ago) & mask)] += gains[i * lag + ago] * innovation;
 }
 
-/* Corrections by `n` innovations; gains: state (5), waves and returned (sections × lag), told (4 × lag) */
-void correct(const double *state, const double *waves, const double *returned, const double *told,
+/* Corrections by `n` innovations; gains: state (5), waves (sections × lag), told (4 × lag) */
+void correct(const double *state, const double *waves, const double *told, const int64_t *inside,
              int64_t sections, int64_t lag, struct string *s, int64_t last, const double *innovation, int64_t n)
 {
     const int64_t size = s->size, mask = size - 1;
@@ -199,7 +199,7 @@ void correct(const double *state, const double *waves, const double *returned, c
             s->balances[1] += state[3] * by;
         }
         *s->rock += state[4] * by;
-        correct_waves(waves, sections, lag, s->waves, size, last, by);
+        correct_waves(waves, inside, sections, lag, s->waves, size, last, by);
         for (int64_t ago = 0; ago < lag; ago++) {
             const int64_t at = (last - ago) & mask;
             if (s->told[at] != 0) {
@@ -209,6 +209,5 @@ void correct(const double *state, const double *waves, const double *returned, c
             s->told[2 * size + at] += told[2 * lag + ago] * by;
             s->told[3 * size + at] += told[3 * lag + ago] * by;
         }
-        correct_waves(returned, sections, lag, s->returned, size, last, by);
     }
 }

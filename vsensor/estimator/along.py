@@ -8,6 +8,9 @@ stands there of the waves at its top:
 
 The latest such c is the time of the confirmed answer, one travel time τ before the last confirmed step.
 
+Innovations correct f at once where it is still in its section, since the string runs on with it. What
+they say of f from then on, and of g, is asked for here alone, some ten times a second, and added only then.
+
 Friction, which the sections have at their junctions, is spread evenly again over the sections between
 them, so that torque is continuous: at the top it is the measured one, at the bottom the confirmed one.
 """
@@ -51,6 +54,26 @@ class Stations(NamedTuple):
     """Share of the friction of the junction below that is met above it already, shape (n,)."""
 
 
+class Heard(NamedTuple):
+    """The last innovations, and what they say of the waves of before them."""
+
+    of_waves: Floats
+    """Corrections of f at each section's top by an innovation of 1 rad/s, for each level of the rock, newest
+    first; shape (C, M, L);"""
+    inside: Integers
+    """but for so many newest steps, which it corrected at once, shape (M,)."""
+    of_returned: Floats
+    """Of g there, laid out like those of f."""
+    innovations: Floats
+    """By tick, rad/s, 0 where there was none; a ring."""
+    levels: Integers
+    """The level of the rock at each, laid out alike."""
+    newest: int
+    """The last of those ticks."""
+    steps: int
+    """Internal steps in a tick."""
+
+
 def stations(string: Sequence[Component], line: Line, junctions: Floats) -> Stations:
     """Lay out the stations on a string cut into `line`, whose junctions are at these depths (m)."""
     depth, component, seen = _depths(string)
@@ -87,21 +110,48 @@ def _depths(string: Sequence[Component]) -> tuple[Floats, Integers, Floats]:
 
 
 @compiled
-def along(line: Line, waves: Floats, returned: Floats, at: Stations, common: int, told: Floats) -> None:
+def along(
+    line: Line, waves: Floats, returned: Floats, heard: Heard, at: Stations, common: int, told: Floats
+) -> None:
     """Fill `told` (2, n) with speed, rad/s, and torque, N·m, at the stations at internal step `common`.
 
-    `waves` and `returned` (M, size) hold f and g at the sections' tops. No allocation.
+    `waves` and `returned` (M, size) hold f and g at the sections' tops, without what was `heard` of them
+    afterwards. No allocation.
     """
     mask = waves.shape[1] - 1
     for k in range(at.section.shape[0]):
         i = at.section[k]
         step = common + at.down[k]
-        f = waves[i, (step - at.inside[k]) & mask]
-        g = returned[i, (step + at.inside[k]) & mask]
+        left, came = step - at.inside[k], step + at.inside[k]
+        f = waves[i, left & mask] + late_correction(heard, heard.of_waves[:, i], left, heard.inside[i])
+        g = returned[i, came & mask] + late_correction(heard, heard.of_returned[:, i], came, 0)
         w = 0.5 * (f - g) / line.impedance[i]
         rubbed = at.above[k] * rubbing(line, i, w) - at.below[k] * rubbing(line, i + 1, w)
         told[SPEED, k] = w
         told[TORQUE, k] = 0.5 * (f + g) + rubbed
+
+
+@compiled
+def late_correction(heard: Heard, of_innovation: Floats, step: int, least: int) -> float:
+    """What innovations at least so many steps after a step say of a wave by gains (C, L)."""
+    size, lag = heard.innovations.shape[0], of_innovation.shape[1] // heard.steps
+    first, end = (step + least) // heard.steps, min(step // heard.steps + lag, heard.newest + 1)
+    total = 0.0
+    for tick in range(max(first, heard.newest - size + 1), end):
+        at, ago = tick % size, (tick + 1) * heard.steps - 1 - step
+        total += of_innovation[heard.levels[at], ago] * heard.innovations[at]
+    return total
+
+
+@compiled
+def catch_up(heard: Heard, waves: Floats, returned: Floats) -> None:
+    """Correct all waves, (M, size) each, by what was heard of them so far."""
+    newest, size = (heard.newest + 1) * heard.steps - 1, waves.shape[1]
+    for i in range(waves.shape[0]):
+        for step in range(newest - size + 1, newest + 1):
+            at = step & (size - 1)
+            waves[i, at] += late_correction(heard, heard.of_waves[:, i], step, heard.inside[i])
+            returned[i, at] += late_correction(heard, heard.of_returned[:, i], step, 0)
 
 
 @compiled

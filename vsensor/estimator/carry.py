@@ -8,9 +8,10 @@ is looked up Δ steps earlier. What is new at the top is taken to be as the old 
 import numpy as np
 from numpy.typing import NDArray
 
+from vsensor.estimator.along import catch_up
 from vsensor.estimator.responses import TOLD_TOP_SPEED
 from vsensor.estimator.sections import Floats, Line
-from vsensor.estimator.state import State
+from vsensor.estimator.state import Model, State, heard
 
 KEPT = (
     "inputs",
@@ -30,8 +31,8 @@ KEPT = (
 """What does not depend on the string's length."""
 
 
-def carry(old: State, before: Line, new: State, line: Line, steps: int) -> None:
-    """Fill the state of the new string with what the old one holds; `steps` internal steps make a tick."""
+def carry(old: State, before: Model, new: State, line: Line) -> None:
+    """Fill the state of the new string, cut into `line`, with what the old one holds of its own."""
     for name in KEPT:
         getattr(new, name)[...] = getattr(old, name)
     for inner in ("learned", "tuning"):
@@ -39,14 +40,16 @@ def carry(old: State, before: Line, new: State, line: Line, steps: int) -> None:
             to[...] = kept
     for name in ("sums", "law", "scored"):
         getattr(new.scores, name)[...] = getattr(old.scores, name)
-    last = int(old.ticks[0]) * steps - 1
-    longer = line.depth[-1] - before.depth[-1]
-    _carry_waves(old, before, new, line, last)
+    last = int(old.ticks[0]) * before.steps - 1
+    longer = line.depth[-1] - before.line.depth[-1]
+    # What is heard from now on has gains of the new string.
+    catch_up(heard(before, old), old.waves[0], old.returned)
+    _carry_waves(old, before.line, new, line, last)
     shift = round(longer)
     _copy(old.told[:, :TOLD_TOP_SPEED], new.told[:, :TOLD_TOP_SPEED], last, shift)
     _copy(old.told[:, TOLD_TOP_SPEED:], new.told[:, TOLD_TOP_SPEED:], last, 0)
     for to, kept in zip(new.junctions, old.junctions, strict=True):
-        to[:] = np.interp(line.depth - longer, before.depth, kept)
+        to[:] = np.interp(line.depth - longer, before.line.depth, kept)
         to[-1] = kept[-1]  # at rest is exactly at rest
 
 

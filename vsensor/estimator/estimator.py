@@ -15,7 +15,7 @@ from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.model import model_of, timed, with_length
 from vsensor.estimator.responses import TOLD_BIT_SPEED, TOLD_TOP_SPEED
 from vsensor.estimator.sections import Floats, Line, cut, junction_depths, steps_per_tick
-from vsensor.estimator.state import Model, State, fill, flat, fresh, is_learned
+from vsensor.estimator.state import Model, State, fill, flat, fresh, heard, is_learned
 from vsensor.estimator.tune import EVERY_S, INERTIA, correct, tuned
 
 LENGTH = "length"
@@ -172,12 +172,12 @@ class Estimator:
         if top.length + metres <= 0:
             raise ValueError(f'"{top.name}" is {top.length:g} m long and cannot become {-metres:g} m shorter')
         self._rig = with_length(self._rig, top.length + metres)
-        old, before = self._state, self._model.line
+        old, before = self._state, self._model
         self._lay_out()
         state = self._new()
         if old.ticks[0] > 0:
             line = tuned(self._configured.line, old.tuning.value)
-            carry(old, before, state, line, self._configured.steps)
+            carry(old, before, state, line)
         self._take(state)
 
     def save(self) -> dict[str, NDArray[np.generic]]:
@@ -219,7 +219,8 @@ class Estimator:
         """
         model, state = self._model, self._state
         step = self._common_step()
-        along(model.line, state.waves[0], state.returned, self.stations, step, self._profile)
+        said = heard(model, state)
+        along(model.line, state.waves[0], state.returned, said, self.stations, step, self._profile)
         # A bit at rest is known to rest; the waves beside it are known but for their noise.
         bit = step + model.now - model.behind * model.steps
         self._profile[SPEED, -1] = state.told[0, TOLD_BIT_SPEED, bit & (state.told.shape[2] - 1)]

@@ -8,8 +8,9 @@ from vsensor.config import Rig
 from vsensor.estimator.along import Stations
 from vsensor.estimator.gains import gains
 from vsensor.estimator.responses import Plant, rock_fade
-from vsensor.estimator.sections import Line
-from vsensor.estimator.state import Model, shadowed
+from vsensor.estimator.sections import Line, longest_round_trips
+from vsensor.estimator.state import SHADOW_DELAY, Model, shadowed
+from vsensor.estimator.tune import BOUND
 
 ROUND_TRIPS = 2
 """After so many the waves that were guessed at the start, those of steady rotation, are forgotten."""
@@ -42,6 +43,7 @@ def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
         round_trips=line.round_trip[None],
         drive_rates=np.array([plant.drive_rate]),
         off=np.zeros(2),
+        inside=longest_round_trips(line, BOUND * rig.tuning.delay + SHADOW_DELAY),
         shift=0,
         gains=gains(plant, at, lag, (now / steps, _end(now, round_trip, horizon) / steps)),
         bit_rate=plant.bit_rate,

@@ -26,7 +26,7 @@ from vsensor.estimator.responses import (
     TOP_BALANCE,
     TOP_SPEED,
 )
-from vsensor.estimator.sections import Floats, Line
+from vsensor.estimator.sections import Floats, Integers, Line
 from vsensor.estimator.state import BIT, SPEED, TOP, TORQUE, Model, State, Strand, line_of, strand
 from vsensor.jit import compiled
 
@@ -59,7 +59,8 @@ def settle(model: Model, state: State, which: int, torque: float, speed: float) 
 def observe(model: Model, state: State, which: int) -> None:
     """Run one string by the internal steps of this tick, whose input has been entered, and correct it.
 
-    The waves that come back are kept for the model string alone: nobody looks along a shadow.
+    The waves that come back are kept for the model string alone, and so is what corrects them (along.py):
+    nobody looks along a shadow.
     """
     line, string = line_of(model, which), strand(state, which)
     load = load_in_force(state.learned, model.bit_rate)
@@ -92,6 +93,9 @@ def observe(model: Model, state: State, which: int) -> None:
         if which == 0:
             keep_returned(line, string.waves, string.junctions, step, state.returned)
     state.innovation[which] = math.nan
+    if which == 0:
+        past = state.ticks[0] % state.innovations.shape[0]
+        state.innovations[past], state.levels[past] = 0.0, state.level[0]
     if not silent and state.missing[SPEED, place] == 0:
         innovation = _tamed(model, state, which, inputs[SPEED, place] / model.turns - string.junctions[0])
         state.innovation[which] = innovation
@@ -103,11 +107,9 @@ def observe(model: Model, state: State, which: int) -> None:
                 model.gains.motor[state.level[0], ahead] * innovation / model.passed
             )
         correct_told(model.gains.told[state.level[0]], string.told, last, innovation)
+        correct_waves(model.gains.waves[state.level[0]], model.inside, string.waves, last, innovation)
         if which == 0:
-            correct_waves(model.gains.waves[state.level[0]], string.waves, last, innovation)
-            correct_waves(model.gains.returned[state.level[0]], state.returned, last, innovation)
-        else:
-            _correct_waves_within(line, model.gains.waves[state.level[0]], string.waves, last, innovation)
+            state.innovations[past] = innovation
 
 
 @compiled
@@ -212,19 +214,12 @@ def correct_told(of_innovation: Floats, told: Floats, last: int, innovation: flo
 
 
 @compiled
-def correct_waves(of_innovation: Floats, waves: Floats, last: int, innovation: float) -> None:
-    """Correct waves (M, size) of the steps up to `last` by gains (M, L), newest first."""
-    for i in range(waves.shape[0]):
-        _correct_ring(of_innovation[i], waves[i], last, of_innovation.shape[1], innovation)
-
-
-@compiled
-def _correct_waves_within(
-    line: Line, of_innovation: Floats, waves: Floats, last: int, innovation: float
+def correct_waves(
+    of_innovation: Floats, inside: Integers, waves: Floats, last: int, innovation: float
 ) -> None:
-    """The same for those alone that are still in their sections."""
+    """Correct waves (M, size) of the `inside` (M,) steps up to `last` by gains (M, L), newest first."""
     for i in range(waves.shape[0]):
-        count = min(line.round_trip[i], of_innovation.shape[1])
+        count = min(inside[i], of_innovation.shape[1])
         _correct_ring(of_innovation[i], waves[i], last, count, innovation)
 
 

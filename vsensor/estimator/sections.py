@@ -85,6 +85,12 @@ def stretched(line: Line, share: float) -> Line:
     return line._replace(impedance=line.impedance / (1 + share), round_trip=_round_trips(depth), depth=depth)
 
 
+def longest_round_trips(line: Line, share: float) -> Integers:
+    """Bounds of all round trips with delays longer by up to a share, internal steps, shape (M,)."""
+    # A section has its ends on the grid, stretched or not: each time a step, two there and back, is rounding.
+    return np.asarray(np.ceil((line.round_trip + 2) * (1 + share)).astype(np.int64) + 2)
+
+
 def _round_trips(depth: Floats) -> Integers:
     on_grid = np.floor(depth + 0.5).astype(np.int64)
     for i in range(1, len(on_grid)):  # whatever the rounding of a sum of floats: no section without a step

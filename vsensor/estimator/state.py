@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from vsensor.config import Bit
 from vsensor.config import Tuning as Settings
+from vsensor.estimator.along import Heard
 from vsensor.estimator.gains import Gains
 from vsensor.estimator.learn import Learned, fresh_law
 from vsensor.estimator.score import Scores, fresh_scores
@@ -42,6 +43,8 @@ class Model(NamedTuple):
     """2 J / Δt of each string's top drive, N·m·s/rad, shape (N,)."""
     off: Floats
     """By which share shadows are off in delay and in inertia, shape (2,)."""
+    inside: Integers
+    """Steps for which a wave may be in its section, whatever the delay is corrected to, shape (M,)."""
     shift: int
     """Steps by which the bit is seen later with longer delays."""
     gains: Gains
@@ -89,7 +92,11 @@ class State(NamedTuple):
     """The wave f at the top of each section by internal step, of each string; shape (N, M, size), size a
     power of two."""
     returned: Floats
-    """The wave g there, of the model string, laid out alike, shape (M, size)."""
+    """The wave g there, of the model string, before any correction; laid out alike, shape (M, size)."""
+    innovations: Floats
+    """What was heard since: the last innovations of that string by tick, 0 where none was; a ring,"""
+    levels: Integers
+    """and the level of the rock at each."""
     junctions: Floats
     """Speed of each junction at the newest step, 0 for one at rest, shape (N, M + 1)."""
     balances: Floats
@@ -164,6 +171,14 @@ def line_of(model: Model, which: int) -> Line:
     )
 
 
+def heard(model: Model, state: State) -> Heard:
+    """What innovations have said of the model string's waves after those had left their sections."""
+    gains, newest = model.gains, int(state.ticks[0]) - 1
+    return Heard(
+        gains.waves, model.inside, gains.returned, state.innovations, state.levels, newest, model.steps
+    )
+
+
 def fresh(model: Model, bit: Bit, settings: Settings) -> State:
     """The state before the first tick."""
     sections = len(model.line.impedance)
@@ -179,6 +194,8 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
         motor=np.zeros((STRINGS, model.behind + 2)),
         waves=np.zeros((STRINGS, sections, size)),
         returned=np.zeros((sections, size)),
+        innovations=np.zeros(size // model.steps + 1),
+        levels=np.zeros(size // model.steps + 1, np.int64),
         junctions=np.zeros((STRINGS, sections + 1)),
         balances=np.zeros((STRINGS, 2)),
         rock=np.zeros(STRINGS),
