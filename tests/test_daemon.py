@@ -169,6 +169,9 @@ def test_it_says_that_it_lives(life: Life) -> None:
 def test_its_status_can_be_asked_for(life: Life) -> None:
     (reply,) = life.replies
     assert (reply.rig, reply.version, reply.rate_hz) == (SHORT.rig.name, __version__, RATE)
+    ahead = [skill.ahead_s for skill in reply.skill]
+    assert ahead == sorted(ahead)
+    assert (ahead[0], ahead[-1]) == (0.0, reply.forecast_horizon_s)
 
 
 def test_each_form_of_a_sample_makes_ticks_and_none_of_the_bad_ones_stops_them(life: Life) -> None:

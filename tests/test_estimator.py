@@ -11,6 +11,7 @@ from tests.strings import BIT, COLLAR, DRIVE, PIPE, rig
 from vsensor.config import Rig
 from vsensor.estimator.estimator import Estimates, Estimator
 from vsensor.estimator.kernel import CONFIRMED, FORECAST, NOW, SPEED, SPEED_STD, STICK, TORQUE, TORQUE_STD
+from vsensor.estimator.score import MEMORY_S
 from vsensor.estimator.sections import Floats
 from vsensor.quality import Quality, Reason, verdict
 from vsensor.simulate.rig import Reading, SimulatedRig
@@ -158,6 +159,32 @@ def test_the_bit_is_found(
     torque = np.interp(when, column("bit_time_s"), column("bit_torque"))
     assert np.sqrt(np.mean((answers.values[told, kind + TORQUE] - torque) ** 2)) < torque_limit
     assert abs(np.mean(answers.values[told, kind + TORQUE] - torque)) < 100
+
+
+def test_the_running_error_of_each_horizon_is_that_of_the_answers(estimator: Estimator) -> None:
+    """Now and forecast held against the confirmed answers for the same times, what is older forgotten."""
+    estimator.reset()
+    answers = estimator.run(column("motor_torque"), column("motor_speed"))
+    rate, skill = DRILLING.loop.rate, estimator.skill
+    np.testing.assert_allclose(
+        skill[:, 0], np.linspace(0, estimator.forecast_horizon, len(skill)), atol=1 / rate
+    )
+    ticks = np.arange(len(answers.values))
+    confirmed_for = ticks / rate - estimator.confirmed_delay
+    for row, kind in ((0, NOW), (-1, FORECAST)):
+        when = ticks / rate + skill[row, 0]
+        came = np.isfinite(answers.values[:, kind]) & (when < confirmed_for[-1])
+        weight = np.exp((when[came] - when[came][-1]) / MEMORY_S)
+        for column_of_skill, quantity in ((1, SPEED), (2, TORQUE)):
+            truth = np.interp(when[came], confirmed_for, answers.values[:, CONFIRMED + quantity])
+            miss = answers.values[came, kind + quantity] - truth
+            expected = np.sqrt((weight * miss**2).sum() / weight.sum())
+            assert skill[row, column_of_skill] == pytest.approx(expected, rel=0.1)
+    assert skill[0, 1] < skill[-1, 1]
+
+
+def test_no_skill_is_told_before_a_prediction_came_true() -> None:
+    assert np.isnan(Estimator(LINEAR).skill[:, 1:]).all()
 
 
 def test_a_string_shorter_than_the_smoothers_lag_is_told_up_to_now_and_a_little_ahead() -> None:

@@ -38,7 +38,7 @@ def carry(old: State, before: Model, new: State, line: Line) -> None:
     for inner in ("learned", "tuning"):
         for to, kept in zip(getattr(new, inner), getattr(old, inner), strict=True):
             to[...] = kept
-    for name in ("sums", "law", "scored"):
+    for name in ("sums", "law", "misses", "scored"):
         getattr(new.scores, name)[...] = getattr(old.scores, name)
     last = int(old.ticks[0]) * before.steps - 1
     longer = line.depth[-1] - before.line.depth[-1]

@@ -134,6 +134,17 @@ class Estimator:
         return np.asarray(np.sqrt(self._state.tuning.variance))
 
     @property
+    def skill(self) -> Floats:
+        """How predictions missed of late: how far ahead, s, rms of speed, rad/s, and of torque, N·m.
+
+        Shape (H, 3), from now to the end of the forecast; NaN where none has come true yet.
+        """
+        model, (squares, ticks) = self._model, np.moveaxis(self._state.scores.misses, -1, 0)
+        ahead = (model.horizons - model.now) / model.steps / model.rate
+        rms = np.sqrt(np.divide(squares, ticks, out=np.full_like(ticks, np.nan), where=ticks > 0))
+        return np.column_stack([ahead, rms])
+
+    @property
     def rock_std(self) -> float:
         """Standard deviation of the bit's torque about the load law, N·m."""
         return float(np.sqrt(self._state.rock_square[0]))

@@ -14,6 +14,7 @@ without a matrix of the size of its state.
 """
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -60,14 +61,14 @@ class Gains(NamedTuple):
     variance: Floats
     """Of the answers' errors once all L corrections are in, (rad/s)² and (N·m)², shape (C, 4)."""
     unforeseen: Floats
-    """Of the bit's speed and torque foretold for now and for the end of the forecast, shape (C, 2, 2)."""
+    """Of the bit's speed and torque foretold for each of H horizons, shape (C, H, 2)."""
     along: Floats
     """Of speed and torque at the string's stations when confirmed, shape (C, 2, n)."""
     band: Floats
     """Frequency up to which at least half of the rock's torque is told, Hz, shape (C,)."""
 
 
-def gains(plant: Plant, at: Stations, lag: int, ahead: tuple[float, float]) -> Gains:
+def gains(plant: Plant, at: Stations, lag: int, ahead: Sequence[float]) -> Gains:
     """The gains of a string for answers `lag` ticks late, and foretold so many ticks ahead."""
     ticks = 1 << (round(HORIZON_S * plant.rate) - 1).bit_length()
     of_rock, of_noise = (responses(plant, at, ticks, by_rock=by_rock) for by_rock in (True, False))
@@ -96,7 +97,7 @@ def _at_level(
     of_noise: Responses,
     level: float,
     lag: int,
-    ahead: tuple[float, float],
+    ahead: Sequence[float],
 ) -> tuple[float, Floats, Floats, Floats, Floats, Floats, Floats, Floats, Floats, float]:
     kick = level**2 * (1 - rock_fade(plant.rate) ** 2)
     noise = plant.torque_noise**2

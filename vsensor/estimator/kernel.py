@@ -9,8 +9,9 @@ from vsensor.estimator.ahead import predict, stick_ahead
 from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.observe import note_rest, observe, settle
 from vsensor.estimator.responses import TOLD_BIT_TORQUE, TOLD_TOP_SPEED
-from vsensor.estimator.score import NOW as NOW_KIND
-from vsensor.estimator.score import VALUE, foretell, score, variance
+from vsensor.estimator.score import FORECAST as LAST
+from vsensor.estimator.score import HORIZONS, VALUE, foretell, score, variance
+from vsensor.estimator.score import NOW as FIRST
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import FLAGS, Model, State
 from vsensor.estimator.study import confirmed_step, foretold_for, study_rock, study_string, study_wall
@@ -178,7 +179,7 @@ def _score(model: Model, state: State) -> None:
     """Hold what was foretold against what is confirmed by now."""
     mask = state.told.shape[2] - 1
     width = state.scores.foretold.shape[3]
-    for kind in range(2):
+    for kind in range(HORIZONS):
         tick, step = foretold_for(model, state, kind)
         # Nothing was foretold while warming up, nor of a string that was made longer since.
         if tick < model.span or math.isnan(state.scores.foretold[kind, 0, VALUE, tick % width]):
@@ -194,10 +195,10 @@ def _foretell(model: Model, state: State) -> None:
     level = state.level[0]
     restless = state.rock_square[0] / model.gains.levels[level] ** 2
     lasting = max(1, int(CHANGE_S * model.rate * model.steps))
-    for kind in range(2):
-        ahead = model.now if kind == NOW_KIND else model.forecast
+    for kind in range(HORIZONS):
         for q in range(2):
             state.unforeseen[q] = restless * model.gains.unforeseen[level, kind, q]
+        ahead = model.horizons[kind]
         foretell(state.scores, kind, state.ticks[0], state.ahead, ahead, lasting, state.unforeseen)
 
 
@@ -213,18 +214,16 @@ def _answer(model: Model, state: State, reasons: int, out: Floats) -> None:
     place = state.ticks[0] % state.scores.foretold.shape[3]
     for q in range(2):
         doubt = _doubt(model, state, q, confirmed)
-        now = state.scores.foretold[0, q, :, place]
         if by_law:
-            doubt += variance(state.scores, 0, q, now)
-        if not by_law or state.scores.scored[0] > 0:
+            doubt += variance(state.scores, FIRST, q, state.scores.foretold[FIRST, q, :, place])
+        if not by_law or state.scores.scored[FIRST] > 0:
             _tell(out, CONFIRMED + 2 * q, state.told[0, q, confirmed & (state.told.shape[2] - 1)], doubt)
-        for kind in range(2):
+        for kind, at in ((FIRST, NOW), (LAST, FORECAST)):
             if state.scores.scored[kind] > 0:
                 foretold = state.scores.foretold[kind, q, :, place]
                 missed = variance(state.scores, kind, q, foretold)
                 # What was foretold was held against a confirmed answer that is not exact itself.
-                at = (NOW if kind == 0 else FORECAST) + 2 * q
-                _tell(out, at, foretold[VALUE], missed + doubt)
+                _tell(out, at + 2 * q, foretold[VALUE], missed + doubt)
 
 
 @compiled

@@ -8,7 +8,8 @@ from vsensor.config import Rig
 from vsensor.estimator.along import Stations
 from vsensor.estimator.gains import gains
 from vsensor.estimator.responses import Plant, rock_fade
-from vsensor.estimator.sections import Line, longest_round_trips
+from vsensor.estimator.score import FORECAST, HORIZONS, NOW
+from vsensor.estimator.sections import Integers, Line, longest_round_trips
 from vsensor.estimator.state import SHADOW_DELAY, Model, shadowed
 from vsensor.estimator.tune import BOUND
 
@@ -34,7 +35,6 @@ def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
     lag = max(1, round(rig.estimator.lag * rate))
     behind = math.ceil(plant.late)
     round_trip = int(line.round_trip.sum())
-    now = behind * steps + round_trip // 2
     asked = rig.estimator.horizon
     horizon = round_trip if asked is None else max(1, round(asked * rate * steps))
     model = Model(
@@ -45,7 +45,7 @@ def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
         off=np.zeros(2),
         inside=longest_round_trips(line, BOUND * rig.tuning.delay + SHADOW_DELAY),
         shift=0,
-        gains=gains(plant, at, lag, (now / steps, _end(now, round_trip, horizon) / steps)),
+        gains=gains(plant, at, lag, (_horizons(line, behind * steps, horizon) / steps).tolist()),
         bit_rate=plant.bit_rate,
         passed=passed,
         turns=drive.gear_ratio,
@@ -57,6 +57,7 @@ def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
         lag=lag,
         now=0,
         forecast=0,
+        horizons=np.zeros(HORIZONS, np.int64),
         horizon=horizon,
         span=behind + lag + -(-ROUND_TRIPS * round_trip // steps),
         fade=rock_fade(rate * steps),
@@ -67,14 +68,17 @@ def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
 
 def timed(model: Model) -> Model:
     """The model with its shadows, and the times that follow from its line."""
-    round_trip = int(model.line.round_trip.sum())
-    now = model.behind * model.steps + round_trip // 2
-    return shadowed(model._replace(now=now, forecast=_end(now, round_trip, model.horizon)))
+    horizons = _horizons(model.line, model.behind * model.steps, model.horizon)
+    now, forecast = int(horizons[NOW]), int(horizons[FORECAST])
+    return shadowed(model._replace(now=now, forecast=forecast, horizons=horizons))
 
 
-def _end(now: int, round_trip: int, horizon: int) -> int:
-    """Where the forecast ends: where the waves on their way do, or sooner if less is asked."""
-    return min(max(now, round_trip), now + horizon)
+def _horizons(line: Line, behind: int, horizon: int) -> Integers:
+    """Steps to what is foretold, the last where the waves on their way end, or sooner if less is asked."""
+    round_trip = int(line.round_trip.sum())
+    now = behind + round_trip // 2
+    end = min(max(now, round_trip), now + horizon)
+    return np.rint(np.linspace(now, end, HORIZONS)).astype(np.int64)
 
 
 def with_length(rig: Rig, length: float) -> Rig:

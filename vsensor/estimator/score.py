@@ -17,7 +17,10 @@ from vsensor.jit import compiled
 
 MEMORY_S = 60.0
 """Time over which misses are forgotten: some ten periods of stick-slip."""
-NOW, FORECAST = range(2)
+HORIZONS = 5
+"""Predictions are scored at so many horizons, evenly from now to the end of the forecast."""
+NOW, FORECAST = 0, HORIZONS - 1
+"""The two of them that are answers."""
 VALUE, CHANGE, EXPECTED = range(3)
 TRUST_S = 10.0
 """What the gains tell weighs as much as so much of the record."""
@@ -28,26 +31,29 @@ WILD = 25.0
 
 
 class Scores(NamedTuple):
-    """For now and forecast, each of speed and torque."""
+    """For each of H horizons, of speed and of torque."""
 
     foretold: Floats
-    """What each tick foretold, how fast it changed in a step, and u; a ring, shape (2, 2, 3, ticks)."""
+    """What each tick foretold, how fast it changed in a step, and u; a ring, shape (H, 2, 3, ticks)."""
     sums: Floats
-    """Weighted sums of u², u x², x⁴, u m², m² x²; shape (2, 2, 5)."""
+    """Weighted sums of u², u x², x⁴, u m², m² x²; shape (H, 2, 5)."""
     law: Floats
-    """a and b, shape (2, 2, 2)."""
+    """a and b, shape (H, 2, 2)."""
+    misses: Floats
+    """Squares of all misses, forgotten at the same pace, and their number so forgotten, shape (H, 2, 2)."""
     scored: Integers
-    """Predictions scored so far, of now and of the forecast, shape (2,)."""
+    """Predictions scored so far at each horizon, shape (H,)."""
 
 
 def fresh_scores(ticks: int, rate: float) -> Scores:
     """Nothing foretold yet; room for `ticks`, of which `rate` make a second."""
     trust = TRUST_S * rate
     return Scores(
-        foretold=np.full((2, 2, 3, ticks), np.nan),
-        sums=np.tile([trust, 0.0, 0.0, trust, 0.0], (2, 2, 1)),
-        law=np.tile([1.0, 0.0], (2, 2, 1)),
-        scored=np.zeros(2, np.int64),
+        foretold=np.full((HORIZONS, 2, 3, ticks), np.nan),
+        sums=np.tile([trust, 0.0, 0.0, trust, 0.0], (HORIZONS, 2, 1)),
+        law=np.tile([1.0, 0.0], (HORIZONS, 2, 1)),
+        misses=np.zeros((HORIZONS, 2, 2)),
+        scored=np.zeros(HORIZONS, np.int64),
     )
 
 
@@ -87,6 +93,9 @@ def score(scores: Scores, kind: int, quantity: int, tick: int, truth: float, rat
     sums[2] += weight * x * x
     sums[3] += weight * u * m
     sums[4] += weight * m * x
+    misses = scores.misses[kind, quantity]
+    misses[0] = keep * misses[0] + miss * miss
+    misses[1] = keep * misses[1] + 1.0
     _solve(sums, scores.law[kind, quantity])
 
 

@@ -69,6 +69,8 @@ class Model(NamedTuple):
     """From the newest step of the model string to the present of the bit: the line's delay, and its own."""
     forecast: int
     """From there to the end of the forecast: at the most, the line's round trip."""
+    horizons: Integers
+    """From the newest step to those for which predictions are scored: now to the forecast, shape (H,)."""
     horizon: int
     """How far after the present the forecast may reach, in steps; the waves may end it sooner."""
     span: int

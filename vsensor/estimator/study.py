@@ -29,7 +29,7 @@ def confirmed_step(model: Model, state: State) -> int:
 @compiled
 def foretold_for(model: Model, state: State, kind: int) -> tuple[int, int]:
     """The tick whose prediction has just been confirmed, and the internal step that it was for."""
-    ahead = model.now if kind == NOW else model.forecast
+    ahead = model.horizons[kind]
     # Only one step of a tick was foretold from the last step of a tick.
     tick = (confirmed_step(model, state) - ahead + 1) // model.steps - 1
     return tick, tick * model.steps + model.steps - 1 + ahead
@@ -54,7 +54,7 @@ def _unmoved(state: State, tick: int, speed: float) -> float:
     What slows the bit raises its torque: of pairs moved by the rock the law would look flatter than it is
     (Berkson 1950 has the remedy). Where a prediction misses by more than the rock could, it is not used.
     """
-    foretold = state.scores.foretold[0, 0, :, tick % state.scores.foretold.shape[3]]
+    foretold = state.scores.foretold[NOW, 0, :, tick % state.scores.foretold.shape[3]]
     miss = foretold[VALUE] - speed
     if miss * miss < TRUSTED * foretold[EXPECTED] and foretold[VALUE] * speed > 0:
         return float(foretold[VALUE])

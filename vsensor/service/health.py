@@ -160,6 +160,10 @@ class Health:
         status.off_bottom = self._engine.intake.depths.off_bottom
         status.rock_std_nm = estimator.rock_std
         status.bandwidth_hz = estimator.bandwidth
+        for ahead, speed, torque in estimator.skill.tolist():
+            skill = status.skill.add(ahead_s=ahead)
+            if not np.isnan(speed):
+                skill.speed_rms_rad_s, skill.torque_rms_nm = speed, torque
         status.sticks_foretold = self._sticks.foretold
         status.sticks_missed = self._sticks.missed
         status.sticks_false = self._sticks.false
