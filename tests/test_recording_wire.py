@@ -1,6 +1,6 @@
 """What crosses from the daemon to its recorder, and where it waits there."""
 
-from vsensor.recording.process import Backlog
+from vsensor.recording.backlog import Backlog
 from vsensor.recording.wire import HEAD, unpack
 
 

@@ -3,16 +3,42 @@
 Each command that was obeyed is recorded among the samples, as an event whose text it is.
 """
 
+import math
+
 from vsensor.depth import Depths
 from vsensor.units import to_si
 
 COMMAND = "command"
 """The name of such an event."""
-HELP = 'say "off bottom", "on bottom", "by depths", "longer 28.5 m" or "shorter 28.5 m"'
+HELP = (
+    'say "off bottom", "on bottom", "by depths", "longer 28.5 m" or "shorter 28.5 m"; '
+    '"start recording", "stop recording", "split recording" or "snapshot 5 min"'
+)
 """What would be right."""
 
 _BIT = {"off bottom": True, "on bottom": False, "by depths": None}
 _SIGN = {"longer": 1.0, "shorter": -1.0}
+
+
+RECORDING = ("start", "stop", "split")
+SNAPSHOT = "snapshot"
+
+
+def about_recording(words: str) -> tuple[str, float] | None:
+    """Read what the recorder is told: start, stop, split, or snapshot and of how many seconds.
+
+    None where it is told nothing; infinite where all that is held is wanted. Raises ValueError where a
+    snapshot is asked of no length of time.
+    """
+    verb, _, rest = " ".join(words.lower().split()).partition(" ")
+    if verb in RECORDING and rest == "recording":
+        return verb, 0.0
+    if verb != SNAPSHOT:
+        return None
+    seconds = to_si(rest, "s") if rest else math.inf
+    if seconds <= 0:
+        raise ValueError(f"{rest!r} is no length of time: {HELP}")
+    return SNAPSHOT, seconds
 
 
 def obey(words: str, depths: Depths) -> str:

@@ -12,6 +12,7 @@ from vsensor.faults import every_fault
 from vsensor.schema import (
     AngularSpeed,
     Bore,
+    DataSize,
     Density,
     Endpoint,
     ForceLimit,
@@ -189,11 +190,17 @@ class Bus(Table):
 
 
 class Recording(Table):
-    """Whether and where sessions are written."""
+    """Whether and where sessions are written, how long each is, and how long they are kept; 0 is no limit."""
 
     enabled: Switch = True
     folder: Path = Path("recordings")
     compression: Literal["zstd", "lz4", "none"] = "zstd"
+    split_every: Time = Field(default=3600.0, description='a time such as "1 h", or 0')
+    split_size: DataSize = Field(default=1e9, description='a size such as "1 GB", or 0')
+    keep_for: Time = Field(default=0.0, description='a time such as "90 days", or 0')
+    keep_size: DataSize = Field(default=0.0, description='a size such as "50 GB", or 0')
+    keep_free: DataSize = Field(default=500e6, description='a size such as "500 MB", or 0')
+    memory: Time = Field(default=300.0, le=3600, description='a time up to 1 h, such as "5 min", or 0')
 
 
 class View(Table):

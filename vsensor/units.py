@@ -32,6 +32,7 @@ _ANGULAR = ("radian", "revolution", "turn", "degree")
 def registry() -> "pint.UnitRegistry[float]":
     """The one registry of units, with the oilfield's own added."""
     units: pint.UnitRegistry[float] = pint.UnitRegistry()
+    units.define("octet = [information] = B")  # Pint's own byte is a pure number, for which any would pass
     units.define("ftlbf = foot * pound_force = ft_lbf")
     units.define("kftlbf = 1000 * foot * pound_force = kft_lbf")
     units.define("@alias revolution = rev")

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -49,29 +50,30 @@ def run(config: Annotated[Path, typer.Argument(help="The rig: a TOML file.")]) -
 
 
 @contextmanager
-def _recorder(rig: Rig, achieved: "Achieved", console: Console) -> "Iterator[Recorder | None]":
+def _recorder(rig: Rig, achieved: "Achieved", console: Console) -> "Iterator[Recorder]":
     from vsensor.provenance import provenance
+    from vsensor.recording.limits import Limits
+    from vsensor.recording.names import session_path
     from vsensor.recording.recorder import Recorder
 
-    if not rig.recording.enabled:
-        yield None
-        return
-    name = f"{rig.rig.name}-{time.strftime('%Y%m%dT%H%M%SZ', time.gmtime())}.mcap"
+    settings = rig.recording
     recorder = Recorder(
-        rig.recording.folder / name,
+        session_path(settings.folder, rig.rig.name),
         configuration=effective_toml(rig),
         metadata=provenance(rig) | achieved.as_metadata(),
-        compression=rig.recording.compression,
+        compression=settings.compression,
+        limits=Limits(**{field.name: getattr(settings, field.name) for field in fields(Limits)}),
+        begin=settings.enabled,
         processors=achieved.others,
     )
     try:
         yield recorder
     finally:
-        if recorder.close(FINISH_S):
-            console.print(f"recorded {escape(recorder.path)}", soft_wrap=True)
-        else:
-            why = escape(recorder.trouble() or recorder.path)
-            console.print(f"[red]not complete:[/] {why}", soft_wrap=True)
+        completed = recorder.close(FINISH_S)
+        for path in recorder.complete:
+            console.print(f"recorded {escape(path)}", soft_wrap=True)
+        if not completed:
+            console.print(f"[red]not complete:[/] {escape(recorder.trouble())}", soft_wrap=True)
 
 
 def _introduce(console: Console, rig: Rig, delay: float, horizon: float) -> None:
@@ -94,10 +96,11 @@ def _tell_achieved(console: Console, achieved: "Achieved") -> None:
 class Teller:
     """Says each change of state once, rather than each second the same."""
 
-    def __init__(self, console: Console, recorder: "Recorder | None") -> None:
+    def __init__(self, console: Console, recorder: "Recorder") -> None:
         self._console = console
         self._recorder = recorder
         self._state = ""
+        self._path = ""
         self._trouble = ""
         self._fault = ""
         self._dropped = 0
@@ -110,12 +113,22 @@ class Teller:
         if status.state != self._state:
             self._state = status.state
             self._console.print(f"{time.strftime('%H:%M:%S')} {status.state}", highlight=False)
-        if self._recorder is not None and (trouble := self._recorder.trouble()) != self._trouble:
-            self._trouble = trouble
-            self._console.print(f"[red]no longer recorded:[/] {escape(trouble)}", soft_wrap=True)
+        self._tell_of_recorder()
         if status.recorder_dropped > self._dropped and not self._trouble:
             self._dropped = status.recorder_dropped
             self._console.print(f"[red]not recorded:[/] {self._dropped} messages so far", highlight=False)
+
+    def _tell_of_recorder(self) -> None:
+        if (trouble := self._recorder.trouble()) != self._trouble:
+            self._trouble = trouble
+            if trouble:
+                self._console.print(f"[red]no longer recorded:[/] {escape(trouble)}", soft_wrap=True)
+        if (path := self._recorder.path) != self._path:
+            self._path = path
+            if path:
+                self._console.print(f"recording into {escape(path)}", soft_wrap=True, highlight=False)
+            elif not trouble:
+                self._console.print("recording has ended", highlight=False)
 
 
 def _account(console: Console, status: "Status") -> None:

@@ -1,8 +1,7 @@
 """The recorder's process: takes packets off the socket at once, writes them to the disk in its own time.
 
-Started by `recorder.Recorder` as `python -m vsensor.recording.process FD PROCESSORS`, with what to write
-(the arguments of SessionWriter) as JSON on its standard input. Ends when the daemon closes the socket or
-dies: either way the file is completed.
+Started by `recorder.Recorder` as `python -m vsensor.recording.process FD PROCESSORS`, with what to write as
+JSON on its standard input. Ends when the daemon closes the socket or dies: either way the file is completed.
 """
 
 import contextlib
@@ -13,12 +12,15 @@ import socket
 import sys
 import threading
 import time
-from collections.abc import Collection, Iterable
+from collections.abc import Collection
 from pathlib import Path
 
 from vsensor.errors import VsensorError
 from vsensor.recording import wire
-from vsensor.recording.writer import RECORDER, SessionWriter
+from vsensor.recording.backlog import Backlog, Item
+from vsensor.recording.clerk import Clerk
+from vsensor.recording.limits import Limits
+from vsensor.recording.part import Head
 
 BACKLOG_BYTES = 64 << 20
 """What may wait for a disk that does not answer: a minute and more at 1 kHz."""
@@ -29,100 +31,22 @@ SYNC_S = 1.0
 _LOOK_S = 0.05  # often enough to keep the backlog short, seldom enough to cost nothing
 
 
-class Backlog:
-    """Packets between the thread that receives and the one that writes, bounded in bytes."""
+class Reporter:
+    """Gives the clerk's news to the daemon, and what went wrong to the terminal, once."""
 
-    def __init__(self, capacity: int) -> None:
-        self.dropped = 0
-        """Messages, not packets."""
-        self.ended = threading.Event()
-        self._capacity = capacity
-        self._held = 0
-        self._packets: list[bytes] = []
-        self._lock = threading.Lock()
+    def __init__(self, clerk: Clerk, feed: socket.socket) -> None:
+        self._clerk = clerk
+        self._feed = feed
+        self._said = ""
 
-    def put(self, packet: bytes) -> None:
-        """Add a packet, or count its messages as dropped where there is no room."""
-        with self._lock:
-            if self._held + len(packet) <= self._capacity:
-                self._packets.append(packet)
-                self._held += len(packet)
-                return
-        self.dropped += sum(1 for _ in wire.unpack(packet))
-
-    def take(self) -> list[bytes]:
-        """Take all that is there, in order."""
-        with self._lock:
-            packets, self._packets, self._held = self._packets, [], 0
-        return packets
-
-
-class Clerk:
-    """Writes packets into the session; where the disk refuses, complains once and counts."""
-
-    def __init__(self, writer: SessionWriter, socket_: socket.socket) -> None:
-        self.failed = False
-        self._writer = writer
-        self._socket = socket_
-        self._synced = 0
-        self._lost = 0
-        self._dropped_by_daemon: int | None = None
-
-    def write(self, packets: Iterable[bytes]) -> None:
-        """Write packets' messages, or count them once the disk has refused."""
-        for packet in packets:
-            for parcel in wire.unpack(packet):
-                self._file(parcel)
-
-    def sync(self) -> None:
-        """Put what was written on the disk."""
-        if not self.failed:
-            try:
-                self._writer.sync()
-                self._synced = self._writer.written
-            except VsensorError as error:
-                self._complain(error)
-
-    def close(self, backlog: Backlog, *, told_to_end: bool) -> None:
-        """Complete the session with the record of its own making."""
-        if self.failed:
-            _say(f"{self._writer.part}: up to {self._lost} messages are lost")
-            return
-        daemon = self._dropped_by_daemon
-        ended = "the recorder was told to end" if told_to_end else "the daemon ended without closing it"
-        try:
-            self._writer.note(
-                RECORDER,
-                {
-                    "written": str(self._writer.written),
-                    "dropped_by_daemon": "unknown" if daemon is None else str(daemon),
-                    "dropped_by_recorder": str(backlog.dropped),
-                    "ended": ended if daemon is None else "closed by the daemon",
-                },
-            )
-            self._writer.close()
-        except VsensorError as error:
-            self._complain(error)
-
-    def _file(self, parcel: wire.Parcel) -> None:
-        if parcel.topic == wire.FAREWELL:
-            (self._dropped_by_daemon,) = wire.COUNT.unpack(parcel.data)
-        elif self.failed:
-            self._lost += 1
-        else:
-            try:
-                self._writer.write(
-                    parcel.topic.decode(), parcel.data, parcel.log_time_ns, parcel.publish_time_ns
-                )
-            except VsensorError as error:
-                self._lost += 1
-                self._complain(error)
-
-    def _complain(self, error: VsensorError) -> None:
-        self.failed = True
-        self._lost += self._writer.written - self._synced
-        _say(str(error))
-        _tell(self._socket, str(error))
+    def tell(self) -> None:
+        """Tell how things stand now."""
+        news = self._clerk.news()
+        if news["trouble"] != self._said:
+            self._said = news["trouble"]
+            if self._said:
+                _say(self._said)
+        _tell(self._feed, json.dumps(news))
 
 
 def main(descriptor: int, processors: Collection[int]) -> int:
@@ -131,13 +55,17 @@ def main(descriptor: int, processors: Collection[int]) -> int:
     _step_back(processors)
     feed = socket.socket(fileno=descriptor)
     order = json.load(sys.stdin)
+    path = Path(order["path"])
+    head = Head(order["configuration"], order["metadata"], order["compression"])
+    backlog = Backlog(BACKLOG_BYTES)
+    clerk = Clerk(path, head, Limits(**order["limits"]), overrun=lambda: backlog.dropped)
     try:
-        writer = SessionWriter(Path(order.pop("path")), **order)
+        if order["begin"]:
+            clerk.begin(path)
     except VsensorError as error:
         _tell(feed, str(error))
         return 1
     told: list[int] = []
-    backlog = Backlog(BACKLOG_BYTES)
     thread = threading.Thread(target=_receive, args=(feed, backlog), daemon=True)
 
     def end(number: int, _frame: object) -> None:
@@ -148,41 +76,45 @@ def main(descriptor: int, processors: Collection[int]) -> int:
     signal.signal(signal.SIGTERM, end)
     thread.start()
     _tell(feed, wire.READY)
-    clerk = Clerk(writer, feed)
-    _record(backlog, clerk)
-    clerk.close(backlog, told_to_end=bool(told))
+    reporter = Reporter(clerk, feed)
+    _record(backlog, clerk, reporter)
+    clerk.close(told_to_end=bool(told))
+    reporter.tell()
     return 1 if clerk.failed else 0
 
 
-def _record(backlog: Backlog, clerk: Clerk) -> None:
+def _record(backlog: Backlog, clerk: Clerk, reporter: Reporter) -> None:
     next_sync = time.monotonic() + SYNC_S
     warned = False
     while True:
         last = backlog.ended.wait(_LOOK_S)  # asked before taking: nothing comes after the end
-        clerk.write(backlog.take())
+        for item in backlog.take():
+            clerk.take(item)
+        clerk.work()
         if backlog.dropped and not warned:
             warned = True
             _say(f"the disk does not keep up: {BACKLOG_BYTES >> 20} MiB wait for it, the rest is dropped")
         if last:
             return
         if time.monotonic() >= next_sync:
-            clerk.sync()
+            clerk.each_second()
+            reporter.tell()
             next_sync = time.monotonic() + SYNC_S
 
 
 def _receive(feed: socket.socket, backlog: Backlog) -> None:
     try:
-        while packet := _packet(feed):
-            backlog.put(packet)
+        while item := _item(feed):
+            backlog.put(item)
     finally:
         backlog.ended.set()
 
 
-def _packet(feed: socket.socket) -> bytes:
+def _item(feed: socket.socket) -> Item:
     try:
-        return feed.recv(wire.PACKET_BYTES)
+        return wire.receive(feed)
     except ConnectionResetError:  # the daemon died with our words unread; told once, its last words follow
-        return feed.recv(wire.PACKET_BYTES)
+        return wire.receive(feed)
 
 
 def _tell(feed: socket.socket, text: str) -> None:

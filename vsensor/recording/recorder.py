@@ -9,31 +9,29 @@ import contextlib
 import json
 import socket
 import subprocess
-import sys
-import tempfile
 import time
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
-from vsensor.errors import InputError, VsensorError
-from vsensor.messages import message_type
+from vsensor.messages import State, message_type
 from vsensor.recording import wire
+from vsensor.recording.launch import launch
+from vsensor.recording.limits import NO_LIMITS, Limits
+from vsensor.recording.names import session_path
 from vsensor.recording.writer import Compression
 
-BUFFER_BYTES = 8 << 20
-"""Asked of the kernel; without privileges it grants net.core.wmem_max (usually 208 KiB: 0.3 s at 1 kHz)."""
-
-START_S = 20.0
-"""A process that is not ready by then will not be."""
-
-_SO_SNDBUFFORCE = 32  # linux/socket.h; Python does not name it
+Note = tuple[str, bool, str]
+"""Something that the recorder did: an event's name, whether it begins, and in words."""
 
 
 class Recorder:
     """A recording under way: `offer` each message, `send` once per slot of the loop, `close` at the end.
 
-    Its process runs on `processors`, by default on those of the caller. Raises InputError where the
-    session cannot be created. Not for several threads at once.
+    It writes into `path` at once, or where it is not to `begin`, waits for the order. Its process runs on
+    `processors`, by default on those of the caller. Raises InputError where the session cannot be created.
+    Not for several threads at once.
     """
 
     def __init__(
@@ -43,15 +41,29 @@ class Recorder:
         configuration: str,
         metadata: Mapping[str, str],
         compression: Compression,
+        limits: Limits = NO_LIMITS,
+        begin: bool = True,
         processors: Collection[int] = (),
     ) -> None:
-        self.path = str(path)
+        self.path = str(path) if begin else ""
+        """The file that is being written; empty where none is."""
+        self.complete: list[str] = []
+        """Those that were completed, as far as it has told."""
+        self.figures: Mapping[str, float] = {}
+        """What it tells of itself, by the names of the status' fields."""
+        self.wants = False
+        """Whether it wants to know what the sensor remembers: see `checkpoint`."""
         self.sent = 0
         """Messages that the kernel took."""
-        self.dropped = 0
+        self.unsent = 0
         """Messages that it did not take, or that nobody was there to take."""
         self.alive = True
-        """Whether the recorder still records."""
+        """Whether the recorder's process is there."""
+        self._folder = path.parent
+        self._rig = metadata.get("rig", "")
+        self._states = wire.Carrier()
+        self._lost = 0
+        self._notes: list[Note] = []
         self._packet = bytearray(wire.PACKET_BYTES)
         self._view = memoryview(self._packet)
         self._end = 0
@@ -59,12 +71,19 @@ class Recorder:
         self._names: dict[str, bytes] = {}
         self._trouble = ""
         order = {
-            "path": self.path,
+            "path": str(path),
+            "begin": begin,
             "configuration": configuration,
             "metadata": dict(metadata),
             "compression": compression,
+            "limits": asdict(limits),
         }
-        self._socket, self._process = _start(order, processors)
+        self._socket, self._process = launch(order, processors)
+
+    @property
+    def dropped(self) -> int:
+        """Messages that are in no file though they should be: not taken, or lost on the recorder's side."""
+        return self.unsent + self._lost
 
     def offer(self, topic: str, data: bytes, log_time_ns: int, publish_time_ns: int) -> None:
         """Add a message to this slot's packet; one of a topic that has no schema counts as dropped."""
@@ -88,7 +107,7 @@ class Recorder:
         if self.alive and self._handed_over():
             self.sent += self._count
         else:
-            self.dropped += self._count
+            self.unsent += self._count
         self._end = 0
         self._count = 0
 
@@ -97,21 +116,73 @@ class Recorder:
         """The recorder's process."""
         return self._process.pid
 
-    def trouble(self) -> str:
-        """What keeps the recorder from recording, in plain text; empty while all is well.
+    def next_path(self, kind: str = "") -> str:
+        """A name for a file that begins now; `kind` is a word in it."""
+        return str(session_path(self._folder, self._rig, kind))
 
-        Never waits; costs a system call, so ask once a second rather than at every tick.
+    def checkpoint(self, order: str, path: str, state: State, arrays: Sequence[memoryview]) -> bool:
+        """Hand over what the sensor remembers, with an order: start, split or keep.
+
+        `path` names the file that begins with it; where empty, the recorder finds a name. `arrays` are those
+        of the state, which is sent without them. Whether it was taken; never waits.
         """
-        if self.alive:
+        self.send()
+        if not self.alive:
+            return False
+        words = {"order": order, "path": path, "dropped": self.unsent}
+        try:
+            self._states.send(self._socket, words, time.time_ns(), state, arrays)
+        except OSError:
+            return False
+        self.wants = False
+        return True
+
+    def order(self, order: str, path: str = "", seconds: float = 0.0) -> bool:
+        """Give an order without a state: stop, or snapshot of the last `seconds`; whether it was taken."""
+        self.send()
+        words = {"order": order, "path": path, "seconds": seconds, "dropped": self.unsent}
+        try:
+            self._socket.send(wire.packed_order(words, time.time_ns()))
+        except OSError:
+            return False
+        return True
+
+    def look(self) -> list[Note]:
+        """Hear the news, and return what has happened since; once a second will do. Never waits."""
+        while self.alive:
             try:
-                complaint = self._socket.recv(wire.PACKET_BYTES).decode()
+                news = self._socket.recv(wire.PACKET_BYTES).decode()
             except BlockingIOError:
-                return ""
+                break
             except OSError:
-                complaint = ""
-            self.alive = False
-            self._trouble = complaint or self._obituary()
+                news = ""
+            if news:
+                self._hear(json.loads(news))
+            else:
+                self._bury()
+        notes, self._notes = self._notes, []
+        return notes
+
+    def trouble(self) -> str:
+        """What keeps the recorder from recording, in plain text; empty while all is well."""
         return self._trouble
+
+    def _hear(self, news: dict[str, Any]) -> None:
+        self.path = news["path"]
+        self.figures = news["figures"]
+        self.wants = news["wants"]
+        self.complete += news["complete"]
+        self._trouble = news["trouble"]
+        self._lost = news["lost"]
+        self._states.read = news["state"]
+        self._notes += [(name, begins, text) for name, begins, text in news["events"]]
+
+    def _bury(self) -> None:
+        if self.alive:
+            self.alive = False
+            self._trouble = self._obituary()
+            self._notes.append(("recording", False, self._trouble))
+            self.path = ""
 
     def close(self, timeout: float) -> bool:
         """End the recording; whether the file was completed within `timeout` seconds.
@@ -126,25 +197,26 @@ class Recorder:
         except subprocess.TimeoutExpired:
             self._trouble = f"{self.path}: is still being written by process {self.pid}"
             return False
-        self._trouble = "" if status == 0 else self._last_words() or self._obituary()
+        self._hear_last()
+        if status:
+            self._trouble = self._trouble or self._obituary()
         self._socket.close()
+        self._states.close()
         return status == 0
 
     def _say_farewell(self, timeout: float) -> None:
-        farewell = wire.COUNT.pack(self.dropped)
         with contextlib.suppress(OSError):  # without it the session's own figures tell less, no more
             if self.alive:
                 self._socket.settimeout(timeout)
-                self._socket.send(wire.HEAD.pack(0, len(farewell), 0, 0) + farewell)
+                self._socket.send(wire.packed_order({"order": wire.FAREWELL, "dropped": self.unsent}, 0))
         with contextlib.suppress(OSError):
             self._socket.shutdown(socket.SHUT_WR)
         self.alive = False
 
-    def _last_words(self) -> str:
+    def _hear_last(self) -> None:
         with contextlib.suppress(OSError):
-            if words := self._socket.recv(wire.PACKET_BYTES, socket.MSG_DONTWAIT):
-                return words.decode()
-        return self._trouble
+            while news := self._socket.recv(wire.PACKET_BYTES, socket.MSG_DONTWAIT):
+                self._hear(json.loads(news))
 
     def _name(self, topic: str) -> bytes:
         self._names[topic] = b"" if message_type(topic) is None else topic.encode()
@@ -152,7 +224,7 @@ class Recorder:
 
     def _offer_apart(self, topic: str, name: bytes, data: bytes, log_ns: int, publish_ns: int) -> None:
         if not name or wire.HEAD.size + len(name) + len(data) > wire.PACKET_BYTES:
-            self.dropped += 1
+            self.unsent += 1
             return
         self.send()
         self.offer(topic, data, log_ns, publish_ns)
@@ -161,65 +233,15 @@ class Recorder:
         try:
             self._socket.send(self._view[: self._end])
         except (BrokenPipeError, ConnectionResetError):
-            self.alive = False
-            self._trouble = self._obituary()
+            self._hear_last()
+            self._bury()
             return False
         except OSError:  # the buffer is full, or the kernel has no memory to spare
             return False
         return True
 
     def _obituary(self) -> str:
-        return (
-            f"{self.path}: the recorder ended (exit status {self._process.poll()}); "
-            f"what it wrote can be had by: vsensor recover {self.path}.part"
-        )
-
-
-def _start(
-    order: Mapping[str, object], processors: Collection[int]
-) -> tuple[socket.socket, subprocess.Popen[bytes]]:
-    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-    _enlarge(ours)
-    with theirs, tempfile.TemporaryFile() as stdin:
-        stdin.write(json.dumps(order).encode())
-        stdin.seek(0)
-        # A session (setsid) of its own: Ctrl-C at the terminal must not end the recorder before
-        # the daemon has said its last. -P keeps the folder we run in off its module path.
-        process = subprocess.Popen(
-            [
-                *(sys.executable, "-P", "-m", "vsensor.recording.process"),
-                *(str(theirs.fileno()), ",".join(map(str, processors))),
-            ],
-            stdin=stdin,
-            stdout=subprocess.DEVNULL,
-            pass_fds=(theirs.fileno(),),
-            start_new_session=True,
-        )
-    try:
-        _await_ready(ours, str(order["path"]))
-    except BaseException:
-        ours.close()
-        process.kill()
-        process.wait()
-        raise
-    ours.setblocking(False)
-    return ours, process
-
-
-def _await_ready(ours: socket.socket, path: str) -> None:
-    ours.settimeout(START_S)
-    try:
-        answer = ours.recv(wire.PACKET_BYTES).decode()
-    except TimeoutError as error:
-        raise VsensorError(f"{path}: the recorder was not ready within {START_S:g} s") from error
-    if not answer:
-        raise VsensorError(f"{path}: the recorder ended at once; it said why above")
-    if answer != wire.READY:
-        raise InputError(answer)
-
-
-def _enlarge(ours: socket.socket) -> None:
-    try:
-        ours.setsockopt(socket.SOL_SOCKET, _SO_SNDBUFFORCE, BUFFER_BYTES)
-    except PermissionError:
-        ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER_BYTES)
+        ended = f"the recorder ended (exit status {self._process.poll()})"
+        if not self.path:
+            return ended
+        return f"{self.path}: {ended}; what it wrote can be had by: vsensor recover {self.path}.part"

@@ -1,6 +1,7 @@
 """Sessions as MCAP files that a power cut can tear but not destroy."""
 
 import contextlib
+import fcntl
 import os
 import time
 from collections.abc import Mapping
@@ -83,6 +84,11 @@ class SessionWriter:
             self.close()
         else:
             self._abandon()
+
+    @property
+    def size(self) -> int:
+        """Bytes written to the file so far."""
+        return self._file.tell()
 
     def note(self, name: str, data: Mapping[str, str]) -> None:
         """Add a metadata record."""
@@ -186,9 +192,12 @@ def _create(path: Path, part: Path) -> BufferedWriter:
             raise InputError(f"{taken}: exists already, and no session is written over: choose another name")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        return part.open("xb")
+        file = part.open("xb")
     except OSError as error:
         raise InputError(f"{part}: cannot be created: {error.strerror}: {error.filename}") from error
+    with contextlib.suppress(OSError):  # some network file systems know no locks
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)  # says to the mender that somebody writes it
+    return file
 
 
 def _sync_folder(folder: Path) -> None:

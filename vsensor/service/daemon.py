@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable, Iterator
-from typing import Protocol
 
 import zenoh
 
@@ -29,21 +28,12 @@ from vsensor.messages import (
 )
 from vsensor.messages.surface import PROTOBUF
 from vsensor.service.engine import Engine
-from vsensor.service.health import Health, Recorded
+from vsensor.service.health import Health
 from vsensor.service.pace import Pace, Slot
 from vsensor.service.profile import Profiler
 from vsensor.service.realtime import Achieved, settle
+from vsensor.service.recording import Recorder, Recording
 from vsensor.service.watch import Watch
-
-
-class Recorder(Recorded, Protocol):
-    """Where everything is written; never makes the loop wait."""
-
-    def offer(self, topic: str, data: bytes, log_time_ns: int, publish_time_ns: int) -> None:
-        """Take a message along with the present slot's."""
-
-    def send(self) -> None:
-        """Hand the slot's messages on, or count what cannot be taken."""
 
 
 class Daemon:
@@ -60,6 +50,7 @@ class Daemon:
         self._rig = rig
         self._engine = engine
         self._recorder = recorder
+        self._recording = None if recorder is None else Recording(rig, engine, recorder)
         self._inbox = SurfaceInbox(session, rig.prefix, SURFACE_TOPICS)
         self._outbox = Outbox(session, rig.prefix, reliable=False)
         self._watch = Watch(rig)
@@ -78,6 +69,8 @@ class Daemon:
     def run(self, pace: Pace, told: Callable[[Status], None], stopped: Callable[[], bool]) -> None:
         """Turn once each slot until told to stop; `told` hears the status of each second."""
         settle()
+        if self._recording is not None:
+            self._recording.remember()
         second = 0
         for slot in pace.slots():
             begun = time.monotonic_ns()
@@ -109,6 +102,8 @@ class Daemon:
         self.health.listen()
 
     def _obey(self, words: str) -> str:
+        if self._recording is not None and (said := self._recording.obey(words)) is not None:
+            return said
         done = obey(words, self._engine.intake.depths)
         self._tell(self._watch.command(words))
         return done
@@ -137,6 +132,8 @@ class Daemon:
         self.health.published += 1
 
     def _each_second(self) -> None:
+        for note in self._recording.each_second() if self._recording is not None else ():
+            self._tell(self._watch.note(*note))
         for event in self._each_second_seen():
             self._tell(event)
         self.status = self.health.status(self._state(), self._recorder)

@@ -1,7 +1,7 @@
 """What the daemon counts of itself, and the status that it makes of it once a second."""
 
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Protocol
 
 import numpy as np
@@ -27,7 +27,12 @@ class Recorded(Protocol):
 
     path: str
     sent: int
-    dropped: int
+    figures: Mapping[str, float]
+    """What it tells of itself, by the names of the status' fields."""
+
+    @property
+    def dropped(self) -> int:
+        """Messages that are in no file though they should be."""
 
     def trouble(self) -> str:
         """What keeps it from recording; empty while all is well."""
@@ -126,8 +131,12 @@ class Health:
             if not np.isnan(value):
                 setattr(status, name, value)
         if recorder is not None:
-            if not recorder.trouble():
+            if trouble := recorder.trouble():
+                status.recording_trouble = trouble
+            elif recorder.path:
                 status.recording = recorder.path
+            for name, value in recorder.figures.items():
+                setattr(status, name, value)
             status.recorded = recorder.sent
             status.recorder_dropped = recorder.dropped
         return status

@@ -161,7 +161,11 @@ class Watch:
 
     def command(self, words: str) -> Event:
         """Note what the sensor was told, in the words that tell it again."""
-        return Event(time_ns=self._last_ns, name=COMMAND, begins=True, text=words)
+        return self.note(COMMAND, True, words)
+
+    def note(self, name: str, begins: bool, text: str) -> Event:
+        """An event of the present, in somebody's words."""
+        return Event(time_ns=self._last_ns, name=name, begins=begins, text=text)
 
     def depths(self, depths: Depths) -> Event | None:
         """Look at the depths: do they fit the string?"""

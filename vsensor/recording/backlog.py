@@ -1,0 +1,37 @@
+"""What waits between the thread that receives and the one that writes."""
+
+import threading
+
+from vsensor.recording import wire
+
+Item = bytes | wire.Checkpoint
+
+
+class Backlog:
+    """Packets and checkpoints in their order, bounded in bytes."""
+
+    def __init__(self, capacity: int) -> None:
+        self.dropped = 0
+        """Messages, not packets."""
+        self.ended = threading.Event()
+        self._capacity = capacity
+        self._held = 0
+        self._items: list[Item] = []
+        self._lock = threading.Lock()
+
+    def put(self, item: Item) -> None:
+        """Add an item; where there is no room, count a packet's messages as dropped."""
+        size = len(item if isinstance(item, bytes) else item.remembered)
+        with self._lock:
+            if self._held + size <= self._capacity:
+                self._items.append(item)
+                self._held += size
+                return
+        if isinstance(item, bytes):
+            self.dropped += sum(1 for _ in wire.unpack(item))
+
+    def take(self) -> list[Item]:
+        """Take all that is there, in order."""
+        with self._lock:
+            items, self._items, self._held = self._items, [], 0
+        return items

@@ -1,0 +1,89 @@
+"""Sessions that a crash or a power cut has torn, mended when the recorder starts next.
+
+Started by the recorder's process as `python -m vsensor.recording.mend FOLDER RIG`, out of its way. What is
+mended becomes NAME.mcap, and the torn one is kept as NAME.mcap.torn.
+"""
+
+import contextlib
+import fcntl
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from vsensor.errors import VsensorError
+from vsensor.recording.names import is_session_of
+from vsensor.recording.recover import recover
+
+
+def torn(folder: Path, rig: str) -> list[Path]:
+    """The unfinished sessions of this rig that nobody is writing."""
+    parts = sorted(folder.glob(f"{rig}-*.mcap.part"))
+    return [part for part in parts if is_session_of(rig, part.name, ".mcap.part") and not _is_held(part)]
+
+
+def mend(part: Path) -> str:
+    """Mend one; returns what became of it, in words."""
+    kept = part.with_suffix(".torn")
+    try:
+        recovered = recover(part)
+    except VsensorError as error:
+        part.rename(kept)
+        return f"{error}: nothing of it could be saved, it is kept as {kept.name}"
+    part.rename(kept)
+    return (
+        f"{recovered.path} was torn and is mended: {recovered.messages} messages; the last "
+        f"{recovered.lost_bytes} bytes told nothing; the torn one is kept as {kept.name}"
+    )
+
+
+def _is_held(part: Path) -> bool:
+    """Whether a writer has it open: each locks its file."""
+    try:
+        with part.open("rb") as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except OSError:  # held, or a file system that knows no locks: better left alone
+        return True
+    return False
+
+
+class Mender:
+    """The mending as a process of its own, at the lowest priority."""
+
+    def __init__(self, folder: Path, rig: str) -> None:
+        self._folder = folder
+        self._rig = rig
+        self._process: subprocess.Popen[str] | None = None
+
+    def start(self, spare: float) -> None:
+        """Begin, where something is torn and so many bytes of disk have room for it."""
+        parts = torn(self._folder, self._rig)
+        if not parts or sum(part.stat().st_size for part in parts) > spare:
+            return
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-m", "vsensor.recording.mend", str(self._folder), self._rig],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+
+    def finished(self) -> list[str]:
+        """What became of each, once all is done; never waits."""
+        if self._process is None or self._process.poll() is None:
+            return []
+        with self._process as process:
+            self._process = None
+            return process.stdout.read().splitlines() if process.stdout else []
+
+
+def main(folder: Path, rig: str) -> None:
+    """Mend what is torn, a line on standard output for each."""
+    with contextlib.suppress(OSError):
+        os.nice(19)
+    for part in torn(folder, rig):
+        with contextlib.suppress(OSError):  # taken away meanwhile
+            sys.stdout.write(f"{mend(part)}\n")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), sys.argv[2])
