@@ -3,7 +3,7 @@
 import csv
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from vsensor.arrivals import Feed, Inputs
 from vsensor.config import Rig
-from vsensor.intake import NS, Input
-from vsensor.messages import Event, Sample
+from vsensor.grid import NS
 from vsensor.offline import Offline
 from vsensor.tables import SurfaceTable, read_surface, surface_samples
 
@@ -79,8 +79,8 @@ class _Told(Offline):
         super().__init__(rig)
         self._until_s = off_bottom_until_s
 
-    def _inputs(self, samples: Iterable[tuple[str, Sample | Event]]) -> Iterator[Input]:
-        for given in super()._inputs(samples):
+    def _inputs(self, feed: Feed) -> Iterator[Inputs]:
+        for given in super()._inputs(feed):
             yield given._replace(off_bottom=given.time_ns < self._until_s * NS)
 
 
@@ -100,10 +100,10 @@ def run(
 
 def _after_rest(measured: SurfaceTable, rest_s: float, rate: float, scale: float) -> SurfaceTable:
     rest = np.arange(round(rest_s * rate)) / rate
-    return SurfaceTable(
+    return SurfaceTable.at_seconds(
         time_s=np.append(rest, measured.time_s + rest_s),
-        motor_torque_nm=np.append(0 * rest, scale * measured.motor_torque_nm),
-        motor_speed_rad_s=np.append(0 * rest, measured.motor_speed_rad_s),
+        torque=np.append(0 * rest, scale * measured.motor_torque_nm),
+        speed=np.append(0 * rest, measured.motor_speed_rad_s),
     )
 
 

@@ -13,9 +13,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsensor.errors import ConfigError, InputError
-from vsensor.messages import Estimate
-from vsensor.recording.tabulate import estimate_columns
-from vsensor.tables import ESTIMATE_FIELDS, write_estimates
+from vsensor.messages import BIT_ESTIMATE, Estimate
+from vsensor.recording.reader import Session
+from vsensor.recording.tabulate import estimate_tables
+from vsensor.recording.writer import SessionWriter
+from vsensor.tables import ESTIMATE_FIELDS, TableWriter, write_estimates, writer
 
 PROMISED = (
     "time_s,confirmed_time_s,confirmed_speed_rad_s,confirmed_speed_std_rad_s,confirmed_torque_nm,"
@@ -76,7 +78,12 @@ def test_estimates_become_rows(tmp_path: Path) -> None:
         forecast_bit_torque_nm=0.0,
         quality=2,  # type: ignore[arg-type]
     )
-    write_estimates(tmp_path / "a.csv", estimate_columns([known, Estimate(time_ns=10_000_000)]))
+    session = tmp_path / "a.mcap"
+    with SessionWriter(session, configuration="", metadata={"rig": "r"}, compression="none") as writer:
+        for told in (known, Estimate(time_ns=10_000_000)):
+            writer.write(BIT_ESTIMATE, told.SerializeToString(), 0, 0)
+    (columns,) = estimate_tables(Session(session))
+    write_estimates(tmp_path / "a.csv", columns)
     with (tmp_path / "a.csv").open(newline="") as file:
         first, second = csv.DictReader(file)
     assert {name: text for name, text in first.items() if text} == {
@@ -92,7 +99,8 @@ def test_estimates_become_rows(tmp_path: Path) -> None:
 
 def test_no_field_that_tells_of_the_bit_is_left_out() -> None:
     fields = {field.name for field in Estimate.DESCRIPTOR.fields}
-    beside = {field for field in fields if field.startswith("top_")} | {"number", "reasons", "stick_in_s"}
+    beside = {field for field in fields if field.startswith("top_")} | {"number", "reasons"}
+    beside |= {"stick_in_s", "forecast_shed"}
     assert set(ESTIMATE_FIELDS.values()) == fields - beside
 
 
@@ -101,7 +109,7 @@ def test_another_kind_of_file_is_wrong_use(tmp_path: Path) -> None:
         write_estimates(tmp_path / "a.xlsx", columns_of([1.0]))
 
 
-@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+@pytest.mark.parametrize("suffix", ["csv", "parquet", "npz"])
 def test_a_table_that_cannot_be_written_leaves_no_half_of_it(tmp_path: Path, suffix: str) -> None:
     with pytest.raises(InputError, match="cannot be written: No such file or directory"):
         write_estimates(tmp_path / "no" / f"a.{suffix}", columns_of([1.0]))
@@ -109,3 +117,50 @@ def test_a_table_that_cannot_be_written_leaves_no_half_of_it(tmp_path: Path, suf
     with pytest.raises(InputError, match="cannot be written: Is a directory"):
         write_estimates(tmp_path / f"a.{suffix}", columns_of([1.0]))
     assert [path.name for path in tmp_path.iterdir()] == [f"a.{suffix}"]
+
+
+def test_numpy_has_an_array_a_column(tmp_path: Path) -> None:
+    columns = columns_of([math.nan, 2.0, 1 / 3])
+    columns["quality"] = np.array(["bad", None, "uncertain"], dtype=object)
+    write_estimates(tmp_path / "a.npz", columns)
+    with np.load(tmp_path / "a.npz") as found:
+        assert found.files == PROMISED.split(",")
+        assert found["now_torque_nm"].tobytes() == columns["now_torque_nm"].tobytes()
+        assert found["quality"].tolist() == ["bad", "", "uncertain"]
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet", "npz"])
+def test_a_table_in_pieces_is_the_table_at_once(
+    tmp_path: Path, suffix: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    columns = columns_of([float(k) for k in range(50)])
+    write_estimates(tmp_path / f"whole.{suffix}", columns)
+    monkeypatch.setattr(writer, "_ROWS", 12)
+    with TableWriter(tmp_path / f"pieces.{suffix}", tuple(ESTIMATE_FIELDS)) as pieces:
+        for start in range(0, 50, 5):
+            pieces.write({name: column[start : start + 5] for name, column in columns.items()})
+    assert pieces.rows == 50
+    found = [table_of(tmp_path / f"{name}.{suffix}") for name in ("whole", "pieces")]
+    assert found[0] == found[1]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [f"pieces.{suffix}", f"whole.{suffix}"]
+
+
+def table_of(path: Path) -> object:
+    if path.suffix == ".parquet":
+        return parquet.read_table(path).to_pydict()
+    if path.suffix == ".npz":
+        with np.load(path) as found:
+            return {name: found[name].tolist() for name in found.files}
+    return path.read_text()
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet", "npz"])
+def test_what_fails_on_the_way_leaves_no_half_of_a_table(tmp_path: Path, suffix: str) -> None:
+    def fail_on_the_way() -> None:
+        with TableWriter(tmp_path / f"a.{suffix}", ("time_s",)) as half:
+            half.write({"time_s": np.zeros(200_000)})
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        fail_on_the_way()
+    assert list(tmp_path.iterdir()) == []

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsensor.errors import ConfigError, InputError
-from vsensor.tables import SurfaceTable, read_surface, write_surface
+from vsensor.tables import Layout, SurfaceTable, TimeForm, read_surface, write_surface
 
 HEADER = "time_s,motor_torque_nm,motor_speed_rad_s\n"
 
@@ -63,8 +63,7 @@ def test_other_names_and_units(tmp_path: Path) -> None:
     path = csv_file(tmp_path, "t,TQ,RPM\n1500,2,60\n1600,4,120\n")
     table = read_surface(
         path,
-        columns={"time_s": "t", "motor_torque_nm": "TQ", "motor_speed_rad_s": "RPM"},
-        units={"time_s": "ms", "motor_torque_nm": "kft*lbf", "motor_speed_rad_s": "rpm"},
+        Layout("t", "TQ", "RPM", form=TimeForm("ms"), torque_unit="kft*lbf", speed_unit="rpm"),
     )
     assert table.time_s == pytest.approx([1.5, 1.6])
     assert table.motor_torque_nm == pytest.approx([2711.6359, 5423.2718])
@@ -149,7 +148,9 @@ def test_a_missing_file_and_a_folder_are_named(tmp_path: Path, suffix: str) -> N
 
 
 def test_another_kind_of_file_is_wrong_use(tmp_path: Path) -> None:
-    with pytest.raises(ConfigError, match=r"a\.xlsx: a table's name must end in \.csv or \.parquet"):
+    with pytest.raises(
+        ConfigError, match=r"a\.xlsx: a table's name must end in \.csv or \.parquet or \.feather"
+    ):
         read_surface(tmp_path / "a.xlsx")
 
 
@@ -157,13 +158,13 @@ def test_another_kind_of_file_is_wrong_use(tmp_path: Path) -> None:
 def test_a_unit_that_does_not_fit_is_wrong_use(tmp_path: Path, unit: str) -> None:
     path = csv_file(tmp_path, HEADER + "0,1,2\n")
     with pytest.raises(ConfigError, match="is no unit for motor_torque_nm: write for example 'N\\*m'"):
-        read_surface(path, units={"motor_torque_nm": unit})
+        read_surface(path, Layout(torque_unit=unit))
 
 
 @given(st.lists(st.integers(0, 1 << 61), min_size=1, max_size=20))
 def test_times_become_the_nearest_nanosecond(times_ns: list[int]) -> None:
     times_s = np.array([time_ns / 10**9 for time_ns in times_ns])
-    found = SurfaceTable(times_s, times_s, times_s).time_ns
+    found = SurfaceTable.at_seconds(times_s, times_s, times_s).time_ns
     for time_s, time_ns in zip(times_s.tolist(), found.tolist(), strict=True):
         exact = time_s.as_integer_ratio()
         assert abs(time_ns * exact[1] - exact[0] * 10**9) * 2 <= exact[1] * (1 + 1e-6)
@@ -172,8 +173,8 @@ def test_times_become_the_nearest_nanosecond(times_ns: list[int]) -> None:
 
 @pytest.mark.parametrize("suffix", ["csv", "parquet"])
 def test_what_is_written_reads_back_bit_for_bit(tmp_path: Path, suffix: str) -> None:
-    table = SurfaceTable(
-        np.array([0.1, 0.2, 1 / 3]), np.array([-0.0, 5e-324, 1e22]), np.array([1.0, 2.0, 3.0])
+    table = SurfaceTable.at_seconds(
+        np.array([0.1, 0.2, 0.333_333_333]), np.array([-0.0, 5e-324, 1e22]), np.array([1.0, 2.0, 3.0])
     )
     path = tmp_path / f"a.{suffix}"
     write_surface(path, table)

@@ -40,8 +40,8 @@ class Channel:
             bad_at_source=0,
         )
         self.stale = stale
-        self._limit = limit
-        self._next_sequence: int | None = None
+        self.limit = limit
+        self.next_sequence: int | None = None
         self._missing: set[int] = set()
         self.forget()
 
@@ -58,7 +58,7 @@ class Channel:
         """Whether value and quality of a sample can be used; counts it otherwise."""
         if not math.isfinite(sample.value):
             self.counts.not_finite += 1
-        elif abs(sample.value) > self._limit:
+        elif abs(sample.value) > self.limit:
             self.counts.out_of_range += 1
         elif int(sample.quality) == Quality.BAD:
             self.counts.bad_at_source += 1
@@ -71,18 +71,18 @@ class Channel:
         if not sample.HasField("sequence"):
             return
         given = sample.sequence
-        ahead = 0 if self._next_sequence is None else given - self._next_sequence
+        ahead = 0 if self.next_sequence is None else given - self.next_sequence
         if given in self._missing:
             self._missing.remove(given)
             self.counts.lost -= 1
         elif 0 <= ahead <= LONGEST_HOLE:
             self.counts.lost += ahead
             self._remember(given, ahead)
-            self._next_sequence = given + 1
+            self.next_sequence = given + 1
         elif ahead > 0 or (ahead < -1 and sample.time_ns == self.newest_ns):
             # A low number with the newest time: the publisher has begun to count anew.
             self._missing.clear()
-            self._next_sequence = given + 1
+            self.next_sequence = given + 1
 
     def _remember(self, given: int, missing: int) -> None:
         if missing:
@@ -111,14 +111,14 @@ class Channel:
         """What the channel remembers, but for its counts, as plain values."""
         return {
             "points": [[point.time_ns, point.value, int(point.reasons)] for point in self.points],
-            "next_sequence": self._next_sequence,
+            "next_sequence": self.next_sequence,
             "missing": sorted(self._missing),
         }
 
     def restore(self, saved: Mapping[str, Any]) -> None:
         """Take up what `save` gave; the counts stay."""
         self.points = [Point(time_ns, value, Reason(flags)) for time_ns, value, flags in saved["points"]]
-        self._next_sequence = saved["next_sequence"]
+        self.next_sequence = saved["next_sequence"]
         self._missing = set(saved["missing"])
 
     def let_go(self, time_ns: int) -> None:

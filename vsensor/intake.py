@@ -6,18 +6,20 @@ offline or replayed.
 """
 
 from collections.abc import Iterator, Mapping
-from fractions import Fraction
 from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from vsensor.channel import Channel
 from vsensor.commands import COMMAND, obey
 from vsensor.config import Rig
 from vsensor.depth import Depths
 from vsensor.errors import InputError
+from vsensor.grid import NS as NS
+from vsensor.grid import Grid
 from vsensor.messages import DEPTH_TOPICS, SURFACE_SPEED, SURFACE_TORQUE, Event, Sample
 from vsensor.quality import Reason
-
-NS = 1_000_000_000
 
 FARTHEST_NS = 1 << 62
 """A time beyond 146 years from 1970 is none: near the end of its 64 bits, a forecast's would not fit."""
@@ -42,8 +44,8 @@ class Intake:
 
     def __init__(self, rig: Rig) -> None:
         measured = rig.measurement
-        self._period = Fraction(NS) / Fraction(rig.loop.rate).limit_denominator(10**6)
-        self._max_gap_ns = round(measured.max_gap * NS)
+        self._grid = Grid(rig.loop.rate)
+        self.max_gap_ns = round(measured.max_gap * NS)
         self._restart_gap_ns = round(measured.restart_gap * NS)
         turns = rig.top_drive.gear_ratio
         self._torque = Channel(SURFACE_TORQUE, measured.torque_limit / turns, Reason.STALE_TORQUE)
@@ -104,6 +106,32 @@ class Intake:
         channel.follow(sample)
         return list(self._ready())
 
+    @property
+    def is_laid(self) -> bool:
+        """Whether there is a grid: both channels have spoken."""
+        return self._anchor_ns is not None
+
+    def ticks_until(self, time_ns: int) -> NDArray[np.int64]:
+        """The times of the next ticks that come no later than some time; none where no grid is laid."""
+        if self._anchor_ns is None:
+            return np.empty(0, np.int64)
+        return self._anchor_ns + self._grid.until_ns(self._number, time_ns - self._anchor_ns)
+
+    def pass_over(self, times_ns: NDArray[np.int64]) -> int:
+        """Hold the next ticks, at these times, for given out; returns the first one's number."""
+        first = self._number
+        if len(times_ns):
+            self._number += len(times_ns)
+            self._consumed_ns = int(times_ns[-1])
+        self._jump_ns.clear()
+        return first
+
+    def let_go(self) -> None:
+        """Drop the points that the next tick has no need of."""
+        if self._anchor_ns is not None:
+            for channel in self.channels.values():
+                channel.let_go(self._anchor_ns + self._grid.after_ns(self._number))
+
     def _obey_again(self, event: Event) -> None:
         if event.name != COMMAND:
             return
@@ -153,7 +181,7 @@ class Intake:
             return None
         if self._anchor_ns is None:
             self._anchor_ns = max(self._torque.points[0].time_ns, self._speed.points[0].time_ns)
-        time_ns = self._anchor_ns + self._number * self._period.numerator // self._period.denominator
+        time_ns = self._anchor_ns + self._grid.after_ns(self._number)
         torque = self._value(self._torque, self._speed, time_ns)
         speed = self._value(self._speed, self._torque, time_ns)
         if torque is None or speed is None:
@@ -167,7 +195,7 @@ class Intake:
         return given
 
     def _value(self, channel: Channel, other: Channel, time_ns: int) -> tuple[float, Reason] | None:
-        value = channel.at(time_ns, self._max_gap_ns)
-        if value is None and other.has_gone_on(time_ns, self._max_gap_ns):
+        value = channel.at(time_ns, self.max_gap_ns)
+        if value is None and other.has_gone_on(time_ns, self.max_gap_ns):
             return channel.held()
         return value

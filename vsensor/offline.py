@@ -1,12 +1,13 @@
 """The sensor without a clock: samples of a file through the same intake and estimator as live."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from itertools import islice
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vsensor import checkpoint
+from vsensor.arrivals import Arrivals, Feed, Inputs, by_columns, laid
 from vsensor.config import Rig
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.kernel import (
@@ -19,8 +20,9 @@ from vsensor.estimator.kernel import (
     TORQUE,
     TORQUE_STD,
 )
-from vsensor.intake import NS, Input, Intake
-from vsensor.messages import Event, Sample, State
+from vsensor.grid import NS, seconds
+from vsensor.intake import Input, Intake
+from vsensor.messages import State
 from vsensor.quality import Reason, verdict
 
 CHUNK = 10_000
@@ -43,47 +45,50 @@ class Offline:
         """Go on from a recorded state; ValueError where it does not fit this rig."""
         checkpoint.take_up(state, self.intake, self._estimator)
 
-    def estimates(
-        self, samples: Iterable[tuple[str, Sample | Event]]
-    ) -> Iterator[Mapping[str, NDArray[np.generic]]]:
+    def estimates(self, feed: Feed) -> Iterator[Mapping[str, NDArray[np.generic]]]:
         """Yield the estimates table of `contracts` in chunks of columns, one row a tick."""
-        inputs = self._inputs(samples)
-        while chunk := list(islice(inputs, CHUNK)):
-            yield from map(self._run, _unbroken(chunk))
+        for inputs in self._inputs(feed):
+            yield from map(self._run, _unbroken(inputs))
 
-    def _inputs(self, samples: Iterable[tuple[str, Sample | Event]]) -> Iterator[Input]:
-        for topic, sample in samples:
-            yield from self.intake.take(topic, sample)
+    def _inputs(self, feed: Feed) -> Iterator[Inputs]:
+        """The ticks in chunks: those of columns as they come, those of single samples gathered."""
+        waiting: list[Input] = []
+        for come in feed:
+            if isinstance(come, Arrivals):
+                yield by_columns(waiting)
+                waiting = []
+                yield from laid(self.intake, come)
+            else:
+                waiting += self.intake.take(*come)
+            if len(waiting) >= CHUNK:
+                yield by_columns(waiting)
+                waiting = []
+        yield by_columns(waiting)
 
-    def _run(self, inputs: list[Input]) -> Mapping[str, NDArray[np.generic]]:
-        if inputs[0].number == 0:
+    def _run(self, inputs: Inputs) -> Mapping[str, NDArray[np.generic]]:
+        if inputs.number[0] == 0:
             self._estimator.restart()
-        if inputs[0].longer_by:
-            self._estimator.lengthen(inputs[0].longer_by)
-        times = np.array([given.time_ns for given in inputs])
+        if inputs.longer_by[0]:
+            self._estimator.lengthen(float(inputs.longer_by[0]))
+        times = inputs.time_ns
         values, reasons, delays = self._estimator.run(
-            [given.motor_torque for given in inputs],
-            [given.motor_speed for given in inputs],
-            [int(given.reasons) | (OFF_BOTTOM if given.off_bottom else 0) for given in inputs],
+            inputs.motor_torque,
+            inputs.motor_speed,
+            inputs.reasons | np.where(inputs.off_bottom, OFF_BOTTOM, 0).astype(np.uint32),
         )
         confirmed, forecast = (
             times + sign * np.rint(delay * NS).astype(np.int64)
             for sign, delay in zip((-1, 1), delays, strict=True)
         )
         return {
-            "time_s": _seconds(times),
-            "confirmed_time_s": np.where(np.isnan(values[:, CONFIRMED]), np.nan, _seconds(confirmed)),
+            "time_s": seconds(times),
+            "confirmed_time_s": np.where(np.isnan(values[:, CONFIRMED]), np.nan, seconds(confirmed)),
             **_answer("confirmed", values[:, CONFIRMED:]),
             **_answer("now", values[:, NOW:]),
-            "forecast_time_s": np.where(np.isnan(values[:, FORECAST]), np.nan, _seconds(forecast)),
+            "forecast_time_s": np.where(np.isnan(values[:, FORECAST]), np.nan, seconds(forecast)),
             **_answer("forecast", values[:, FORECAST:]),
             "quality": _verdicts(reasons),
         }
-
-
-def _seconds(times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
-    """The nearest doubles: as doubles before they are divided, the nanoseconds would be rounded twice."""
-    return np.array([time_ns / NS for time_ns in times_ns.tolist()])
 
 
 def _verdicts(reasons: NDArray[np.uint32]) -> NDArray[np.str_]:
@@ -100,11 +105,10 @@ def _answer(kind: str, columns: NDArray[np.float64]) -> dict[str, NDArray[np.flo
     }
 
 
-def _unbroken(inputs: list[Input]) -> Iterator[list[Input]]:
+def _unbroken(inputs: Inputs) -> Iterator[Inputs]:
     """Split where the grid was laid anew, and where the string has become longer."""
-    start = 0
-    for at in range(1, len(inputs)):
-        if inputs[at].number == 0 or inputs[at].longer_by:
-            yield inputs[start:at]
-            start = at
-    yield inputs[start:]
+    count = len(inputs.number)
+    cuts = np.flatnonzero((inputs.number == 0) | (inputs.longer_by != 0)).tolist()
+    bounds = [0, *(cut for cut in cuts if cut), count] if count else []
+    for start, end in pairwise(bounds):
+        yield inputs.part(start, end)

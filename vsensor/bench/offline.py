@@ -97,7 +97,7 @@ def surface_table(rig: Rig, rows: int) -> SurfaceTable:
     """Surface samples of a simulated rig in stick-slip, a minute over and over."""
     simulated = SimulatedRig(rig, PLANS[Scenario.STICK_SLIP], seed=1)
     minute = [simulated.sample() for _ in range(min(rows, round(SIMULATED_S * rig.loop.rate)))]
-    return SurfaceTable(
+    return SurfaceTable.at_seconds(
         np.arange(rows) / rig.loop.rate,
         np.resize([reading.motor_torque for reading in minute], rows),
         np.resize([reading.motor_speed for reading in minute], rows),

@@ -12,31 +12,32 @@ from vsensor.config import Rig, load, loads
 from vsensor.errors import ConfigError, InputError
 
 if TYPE_CHECKING:
+    from vsensor.arrivals import Feed
     from vsensor.messages import Event, Sample
     from vsensor.offline import Offline
     from vsensor.service.engine import Engine
 
 
 def estimate(
-    source: Annotated[Path, typer.Argument(metavar="INPUT", help="Samples: .mcap, .csv or .parquet.")],
+    source: Annotated[
+        Path, typer.Argument(metavar="INPUT", help="Samples: .mcap, .csv, .parquet or .feather.")
+    ],
     config: Annotated[
         Path | None, typer.Argument(help="The rig; for a session, by default, the one recorded in it.")
     ] = None,
     *,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Estimates: .csv, .parquet or .mcap.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="Estimates: .csv, .parquet, .npz or .mcap.")],
 ) -> None:
     """Estimate the bit from recorded surface samples."""
-    from vsensor.tables import is_csv
+    from vsensor.tables import check_writable
 
     rig = _rig(source, config)
     write = _to_session if output.suffix == ".mcap" else _to_table
     if write is _to_table:
-        is_csv(output)  # before the work, not after
+        check_writable(output)  # before the work, not after
     console = Console()
     with console.status(f"estimating {source}"):
         ticks = write(rig, source, output, console)
-    if ticks == 0:
-        raise InputError(f"{source}: no tick came of it: both surface channels are needed, from one time on")
     console.print(f"{ticks} ticks estimated into {output}", soft_wrap=True, highlight=False)
 
 
@@ -56,19 +57,32 @@ def _rig(source: Path, config: Path | None) -> Rig:
     return loads(recorded, f"{source}: recorded configuration")
 
 
-def _samples(source: Path) -> "Iterator[tuple[str, Sample | Event]]":
-    """Samples and, of a session, what the sensor was told between them."""
+def _feed(source: Path) -> "Feed":
+    """Samples by columns and, of a session, what the sensor was told between them."""
+    from vsensor.arrivals import Arrivals
     from vsensor.commands import COMMAND
-    from vsensor.messages import SENSOR_EVENT, SURFACE_TOPICS, Event, Sample
+    from vsensor.recording.feed import feed
     from vsensor.recording.reader import Session
-    from vsensor.tables import read_surface, surface_samples
+    from vsensor.tables import surface_pieces
 
-    if source.suffix != ".mcap":
-        yield from surface_samples(read_surface(source))
+    if source.suffix == ".mcap":
+        yield from feed(Session(source), obeyed=(COMMAND,))
         return
-    for topic, message, _, _ in Session(source).messages((*SURFACE_TOPICS, SENSOR_EVENT)):
-        if isinstance(message, Sample) or (isinstance(message, Event) and message.name == COMMAND):
-            yield topic, message
+    rows = 0
+    for table in surface_pieces(source):
+        yield Arrivals.in_turn(table.time_ns, table.motor_torque_nm, table.motor_speed_rad_s, rows)
+        rows += len(table)
+
+
+def _samples(source: Path) -> "Iterator[tuple[str, Sample | Event]]":
+    """The same one by one."""
+    from vsensor.arrivals import Arrivals
+
+    for come in _feed(source):
+        if isinstance(come, Arrivals):
+            yield from come.samples()
+        else:
+            yield come
 
 
 def _begun(source: Path, engine: "Engine | Offline", console: Console) -> None:
@@ -89,19 +103,17 @@ def _begun(source: Path, engine: "Engine | Offline", console: Console) -> None:
 
 
 def _to_table(rig: Rig, source: Path, output: Path, console: Console) -> int:
-    import numpy as np
-
     from vsensor.offline import Offline
-    from vsensor.tables import write_estimates
+    from vsensor.tables import ESTIMATE_FIELDS, TableWriter
 
     sensor = Offline(rig)
     _begun(source, sensor, console)
-    chunks = list(sensor.estimates(_samples(source)))
-    if not chunks:
-        return 0
-    columns = {name: np.concatenate([chunk[name] for chunk in chunks]) for name in chunks[0]}
-    write_estimates(output, columns)
-    return len(columns["time_s"])
+    with TableWriter(output, tuple(ESTIMATE_FIELDS)) as writer:
+        for columns in sensor.estimates(_feed(source)):
+            writer.write(columns)
+        if writer.rows == 0:
+            raise _no_tick(source)
+    return writer.rows
 
 
 def _to_session(rig: Rig, source: Path, output: Path, console: Console) -> int:
@@ -129,4 +141,10 @@ def _to_session(rig: Rig, source: Path, output: Path, console: Console) -> int:
                 writer.write(SENSOR_TICK, tick.SerializeToString(), tick.time_ns, tick.time_ns)
                 writer.write(BIT_ESTIMATE, told.SerializeToString(), tick.time_ns, tick.time_ns)
                 ticks += 1
+        if ticks == 0:
+            raise _no_tick(source)
     return ticks
+
+
+def _no_tick(source: Path) -> InputError:
+    return InputError(f"{source}: no tick came of it: both surface channels are needed, from one time on")

@@ -1,57 +1,95 @@
 """`vsensor import`: a session made of a table."""
 
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
-from rich.progress import track
 
 from vsensor import __version__
 from vsensor.config import load
+from vsensor.errors import VsensorError
+
+if TYPE_CHECKING:
+    from vsensor.recording.writer import SessionWriter
+    from vsensor.tables import SurfaceTable
 
 
 def import_(
-    source: Annotated[Path, typer.Argument(metavar="INPUT", help="Surface samples: .csv or .parquet.")],
+    source: Annotated[
+        Path, typer.Argument(metavar="INPUT", help="Surface samples: .csv, .parquet, .feather or .arrow.")
+    ],
     output: Annotated[Path, typer.Option("-o", "--output", help="The session: .mcap.")],
     rig: Annotated[str, typer.Option(help="The rig's name; by default the configuration's.")] = "",
     config: Annotated[Path | None, typer.Option(help="The rig's configuration, to go with it.")] = None,
     time_column: Annotated[str, typer.Option(help="What the table calls the time.")] = "time_s",
     torque_column: Annotated[str, typer.Option(help="What it calls the torque.")] = "motor_torque_nm",
     speed_column: Annotated[str, typer.Option(help="What it calls the speed.")] = "motor_speed_rad_s",
-    time_unit: Annotated[str, typer.Option(help='Unit of the time, such as "ms".')] = "s",
+    date_column: Annotated[
+        str, typer.Option(help="What it calls the date, where the time column has only the time of day.")
+    ] = "",
+    time_unit: Annotated[
+        str, typer.Option(help='Unit of a time in numbers, such as "ms"; text is read as ISO 8601.')
+    ] = "s",
+    time_format: Annotated[
+        str, typer.Option(help='Of text that is not ISO 8601, as strptime: "%d.%m.%Y %H:%M:%S".')
+    ] = "",
+    time_zone: Annotated[
+        str, typer.Option(help='Where a clock hangs that tells no offset, such as "Europe/Oslo".')
+    ] = "UTC",
     torque_unit: Annotated[str, typer.Option(help='Unit of the torque, such as "kft*lbf".')] = "N*m",
     speed_unit: Annotated[str, typer.Option(help='Unit of the speed, such as "rpm".')] = "rad/s",
+    resample: Annotated[
+        str, typer.Option(help='Lay the samples on a grid of this rate, such as "100 Hz", by straight lines.')
+    ] = "",
 ) -> None:
     """Make a session of a table of surface torque and speed."""
     from vsensor.recording.writer import SessionWriter
-    from vsensor.tables import read_surface, surface_samples
+    from vsensor.tables import Layout, TimeForm, surface_pieces
+    from vsensor.tables.resample import resampled
 
     known = load(config) if config else None
-    table = read_surface(
-        source,
-        columns={"time_s": time_column, "motor_torque_nm": torque_column, "motor_speed_rad_s": speed_column},
-        units={"time_s": time_unit, "motor_torque_nm": torque_unit, "motor_speed_rad_s": speed_unit},
+    layout = Layout(
+        time=time_column,
+        torque=torque_column,
+        speed=speed_column,
+        date=date_column,
+        form=TimeForm(time_unit, time_format, time_zone),
+        torque_unit=torque_unit,
+        speed_unit=speed_unit,
     )
-    console = Console(stderr=True)
-    with SessionWriter(
-        output,
-        configuration=config.read_text(encoding="utf-8") if config else "",
-        metadata={
-            "rig": rig or (known.rig.name if known else ""),
-            "vsensor": __version__,
-            "imported_from": source.name,
-        },
-        compression="zstd",
-    ) as writer:
-        rows = track(
-            surface_samples(table),
-            f"importing {source.name}",
-            total=2 * len(table.time_s),
-            console=console,
-            transient=True,
-            disable=not console.is_terminal,
-        )
-        for topic, sample in rows:
+    pieces = surface_pieces(source, layout)
+    if resample:
+        pieces = resampled(pieces, resample)
+    with (
+        Console(stderr=True).status(f"importing {source.name}"),
+        SessionWriter(
+            output,
+            configuration=config.read_text(encoding="utf-8") if config else "",
+            metadata={
+                "rig": rig or (known.rig.name if known else ""),
+                "vsensor": __version__,
+                "imported_from": source.name,
+                **({"resampled_to": resample} if resample else {}),
+            },
+            compression="zstd",
+        ) as writer,
+    ):
+        try:
+            rows = _write(writer, pieces)
+        except VsensorError:
+            writer.part.unlink(missing_ok=True)  # half a table is no session
+            raise
+    typer.echo(f"{rows} rows of {source} imported into {output}")
+
+
+def _write(writer: "SessionWriter", pieces: "Iterator[SurfaceTable]") -> int:
+    from vsensor.tables import surface_samples
+
+    rows = 0
+    for table in pieces:
+        for topic, sample in surface_samples(table, rows):
             writer.write(topic, sample.SerializeToString(), sample.time_ns, sample.time_ns, sample.sequence)
-    typer.echo(f"{len(table.time_s)} rows of {source} imported into {output}")
+        rows += len(table)
+    return rows

@@ -63,7 +63,7 @@ class Session:
             if topics is not None and topic not in topics:
                 continue
             if topic not in kinds:
-                kinds[topic] = self._kind(schema, channel)
+                kinds[topic] = self.kind(schema, channel)
             kind = kinds[topic]
             if kind is None:
                 continue
@@ -77,7 +77,7 @@ class Session:
                 ) from error
             yield Record(topic, decoded, message.log_time, message.publish_time)
         if self.complete:
-            self._check_nothing_missed(scan)
+            self.check_nothing_missed(scan)
 
     def state(self) -> State | None:
         """What the recording sensor remembered at the start; None where the session does not tell."""
@@ -88,7 +88,7 @@ class Session:
         """What is in it; instant for a complete session, one reading of the file for a torn one."""
         return summarise(self.path, self._index, self.complete, self.metadata, self.recorder)
 
-    def _check_nothing_missed(self, scan: Scan) -> None:
+    def check_nothing_missed(self, scan: Scan) -> None:
         """A damaged length makes the library pass over what follows, so the index's count is asked too."""
         counted = (
             self._index.statistics.message_count if self._index and self._index.statistics else scan.count
@@ -101,7 +101,8 @@ class Session:
             f"what is sound in it can be had by: vsensor recover {self.path}"
         )
 
-    def _kind(self, schema: Schema | None, channel: Channel) -> type[Message] | None:
+    def kind(self, schema: Schema | None, channel: Channel) -> type[Message] | None:
+        """The message that a channel of this file holds; None where we know none, InputError for another."""
         kind = message_type(channel.topic)
         if kind is None:
             return None
@@ -116,7 +117,7 @@ class Session:
     def _check_is_ours(self, found: Iterable[McapRecord]) -> None:
         schemas = {r.id: r for r in found if isinstance(r, Schema)}
         channels = [r for r in found if isinstance(r, Channel)]
-        ours = [c for c in channels if self._kind(schemas.get(c.schema_id), c)]
+        ours = [c for c in channels if self.kind(schemas.get(c.schema_id), c)]
         if ours or self.metadata or not (channels or self.complete):
             return
         held = ", ".join(f"{c.topic} ({_described(c, schemas.get(c.schema_id))})" for c in channels)

@@ -5,14 +5,18 @@ holds a whole file in memory when asked for file order; so messages are always r
 """
 
 import io
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+from typing import TypeVar
 
 from mcap.exceptions import EndOfFile
-from mcap.records import Channel, Chunk, McapRecord, Message, Schema
+from mcap.opcode import Opcode
+from mcap.records import Channel, Chunk, McapRecord, Message, MessageIndex, Schema
 from mcap.stream_reader import StreamReader, breakup_chunk
 
 from vsensor.errors import InputError
+
+Item = TypeVar("Item")
 
 
 class _WholeReads(io.BufferedReader):
@@ -28,6 +32,18 @@ class _WholeReads(io.BufferedReader):
             raise EndOfFile
         self._left -= wanted
         return super().read(wanted)
+
+
+class _Records(StreamReader):
+    """A file's records, the messages' index left empty: a reading from the start has no use for it.
+
+    The library would make a pair of Python's numbers of each of its entries: as many as there are messages.
+    """
+
+    def _read_record(self, opcode: int, length: int) -> McapRecord | None:
+        if opcode == Opcode.MESSAGE_INDEX:
+            return MessageIndex(channel_id=0, records=[])  # what is left of its bytes is passed over
+        return super()._read_record(opcode, length)
 
 
 class Scan:
@@ -46,11 +62,15 @@ class Scan:
 
     def records(self) -> Iterator[McapRecord]:
         """Yield the records, chunks unpacked, each chunk only when all of it is sound."""
+        return self.unpacked(lambda chunk: breakup_chunk(chunk, validate_crc=True))
+
+    def unpacked(self, unpack: Callable[[Chunk], Iterable[Item]]) -> Iterator[McapRecord | Item]:
+        """Yield the records, and what `unpack` makes of each chunk; it raises where one is not sound."""
         try:
             size = self._path.stat().st_size
             with _WholeReads(self._path, size) as file:
-                reader = StreamReader(file, emit_chunks=True)
-                yield from self._walk(reader, file)
+                reader = _Records(file, emit_chunks=True)
+                yield from self._walk(reader, file, unpack)
         except OSError as error:
             raise InputError(f"{self._path}: cannot be read: {error.strerror}") from error
 
@@ -67,12 +87,14 @@ class Scan:
             elif isinstance(record, Channel):
                 channels[record.id] = (schemas.get(record.schema_id), record)
 
-    def _walk(self, reader: StreamReader, file: _WholeReads) -> Iterator[McapRecord]:
+    def _walk(
+        self, reader: StreamReader, file: _WholeReads, unpack: Callable[[Chunk], Iterable[Item]]
+    ) -> Iterator[McapRecord | Item]:
         records = reader.records
         while True:
             try:
                 record = next(records)
-                inner = breakup_chunk(record, validate_crc=True) if isinstance(record, Chunk) else [record]
+                inner = unpack(record) if isinstance(record, Chunk) else (record,)
             except StopIteration:
                 self.finished = True
                 return

@@ -1,61 +1,73 @@
-"""A session's samples and estimates as columns of numbers."""
+"""A session's samples and estimates as columns of numbers, a piece of the session at a time."""
 
 import math
-from array import array
-from collections.abc import Iterable
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Estimate, Sample
+from vsensor.grid import seconds
+from vsensor.messages import BIT_ESTIMATE, SURFACE_SPEED, SURFACE_TORQUE
 from vsensor.quality import Quality
-from vsensor.recording.reader import Record
+from vsensor.recording.columns import Columns, read_columns
+from vsensor.recording.reader import Session
 from vsensor.tables import ESTIMATE_FIELDS, Floats, SurfaceTable
 
 _Times = npt.NDArray[np.int64]
 _CHANNELS = (SURFACE_TORQUE, SURFACE_SPEED)
-_WORDS = {int(quality): quality.name.lower() for quality in Quality}
+_NEVER = np.iinfo(np.int64).max
+
+_WORDS = np.array([None, *(Quality(value).name.lower() for value in (1, 2, 3))], dtype=object)
 
 
-def surface_table(records: Iterable[Record]) -> SurfaceTable:
-    """Gather surface samples into rows of equal time, in the order of time.
+def estimate_tables(session: Session) -> Iterator[Mapping[str, npt.NDArray[Any]]]:
+    """Yield a session's estimates as columns of an estimates table; NaN where a field is not set."""
+    for piece in read_columns(session, {BIT_ESTIMATE: ESTIMATE_FIELDS.values()}):
+        if BIT_ESTIMATE in piece:
+            estimates = piece[BIT_ESTIMATE]
+            yield {column: _column(estimates, field) for column, field in ESTIMATE_FIELDS.items()}
 
-    Where a channel has no sample at a row's time it is NaN; of several the first counts.
+
+def surface_tables(session: Session) -> Iterator[SurfaceTable]:
+    """Yield surface samples in rows of equal time, in the order of time, all over the session.
+
+    Where a channel has no sample at a row's time it is NaN; of several the first counts. The session is read
+    twice: once for when the times of the rest of it begin, before which all rows are complete.
     """
-    times = {topic: array("q") for topic in _CHANNELS}
-    values = {topic: array("d") for topic in _CHANNELS}
-    for topic, message, _, _ in records:
-        if topic in times and isinstance(message, Sample):
-            times[topic].append(message.time_ns)
-            values[topic].append(message.value)
-    rows = np.union1d(*(np.asarray(column) for column in times.values()))
-    torque, speed = (_at(rows, np.asarray(times[topic]), np.asarray(values[topic])) for topic in _CHANNELS)
-    return SurfaceTable(np.array([_seconds(time_ns) for time_ns in rows.tolist()]), torque, speed)
+    wanted = dict.fromkeys(_CHANNELS, ("time_ns", "value"))
+    rest = _begins_of_rests(session)
+    held = {topic: (np.empty(0, np.int64), np.empty(0)) for topic in _CHANNELS}
+    for piece, until in zip(read_columns(session, wanted), rest, strict=True):
+        for topic, columns in piece.items():
+            came = columns.values["time_ns"], columns.values["value"]
+            held[topic] = tuple(map(np.append, held[topic], came))  # type: ignore[assignment]
+        ready = {topic: times < until for topic, (times, _) in held.items()}
+        rows = _rows(
+            {topic: (times[ready[topic]], values[ready[topic]]) for topic, (times, values) in held.items()}
+        )
+        held = {
+            topic: (times[~ready[topic]], values[~ready[topic]]) for topic, (times, values) in held.items()
+        }
+        if len(rows.time_s):
+            yield rows
 
 
-def estimate_columns(estimates: Iterable[Estimate]) -> dict[str, npt.NDArray[Any]]:
-    """Gather estimates into the columns of an estimates table; NaN where a field is not set."""
-    numbers = [(field, array("d")) for column, field in ESTIMATE_FIELDS.items() if column != "quality"]
-    verdicts: list[str | None] = []
-    for estimate in estimates:
-        for field, column in numbers:
-            column.append(_number(estimate, field))
-        verdicts.append(_WORDS.get(estimate.quality))
-    columns = [*(np.asarray(column) for _, column in numbers), np.array(verdicts, dtype=object)]
-    return dict(zip(ESTIMATE_FIELDS, columns, strict=True))
+def _begins_of_rests(session: Session) -> list[int]:
+    """For each piece of a session, the earliest time of what comes behind it."""
+    wanted = dict.fromkeys(_CHANNELS, ("time_ns",))
+    earliest = [
+        min((int(columns.values["time_ns"].min()) for columns in piece.values()), default=_NEVER)
+        for piece in read_columns(session, wanted)
+    ]
+    behind = np.minimum.accumulate([_NEVER, *reversed(earliest[1:])])
+    return [int(time) for time in reversed(behind)] if earliest else []
 
 
-def _number(estimate: Estimate, field: str) -> float:
-    if not estimate.HasField(field):  # type: ignore[arg-type]
-        return math.nan
-    value = getattr(estimate, field)
-    return _seconds(value) if field.endswith("_ns") else float(value)
-
-
-def _seconds(time_ns: int) -> float:
-    """The nearest double; dividing floats would round twice."""
-    return time_ns / 1_000_000_000
+def _rows(channels: Mapping[str, tuple[_Times, Floats]]) -> SurfaceTable:
+    rows = np.union1d(*(times for times, _ in channels.values()))
+    torque, speed = (_at(rows, *channels[topic]) for topic in _CHANNELS)
+    return SurfaceTable(rows, torque, speed)
 
 
 def _at(rows: _Times, times: _Times, values: Floats) -> Floats:
@@ -63,3 +75,13 @@ def _at(rows: _Times, times: _Times, values: Floats) -> Floats:
     known, first = np.unique(times, return_index=True)
     column[np.searchsorted(rows, known)] = values[first]
     return column
+
+
+def _column(estimates: Columns, field: str) -> npt.NDArray[Any]:
+    values = estimates.values[field]
+    if field == "quality":
+        known = (values > 0) & (values < len(_WORDS))
+        return np.asarray(_WORDS[np.where(known, values, 0)])
+    if field.endswith("_ns"):
+        return np.where(estimates.known[field], seconds(values), math.nan)
+    return estimates.number(field)

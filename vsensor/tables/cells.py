@@ -1,0 +1,69 @@
+"""What stands in a table's cells, as numbers; and which cell it is that holds none."""
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+import pyarrow.compute as pc
+
+Floats = npt.NDArray[np.float64]
+
+
+class BadCellError(ValueError):
+    """A row (from 0), and what is wrong with what stands there."""
+
+    def __init__(self, row: int, fault: str) -> None:
+        super().__init__(fault)
+        self.row = row
+
+
+def numbers(values: pa.Array) -> Floats:
+    """A column's values as finite numbers. Raises BadCellError for the first that is none."""
+    values = filled(values)
+    if pa.types.is_string(values.type):
+        found = as_floats(values)
+        if found is None:
+            row, text = next((i, v) for i, v in enumerate(values.to_pylist()) if not _is_number(v))
+            raise BadCellError(row, f"is {text!r}: a finite number was expected")
+    elif is_number(values.type):
+        found = values.cast(pa.float64(), safe=False).to_numpy(zero_copy_only=False)
+    else:
+        raise BadCellError(0, f"is of type {values.type}: a finite number was expected")
+    if not np.isfinite(found).all():
+        row = int(np.argmin(np.isfinite(found)))
+        raise BadCellError(row, f"is {found[row]}: a finite number was expected")
+    return found
+
+
+def filled(values: pa.Array) -> pa.Array:
+    """A column, text without the spaces around it. Raises BadCellError for the first cell that is empty."""
+    if pa.types.is_dictionary(values.type):
+        values = values.dictionary_decode()
+    if pa.types.is_large_string(values.type) or pa.types.is_string_view(values.type):
+        values = values.cast(pa.string())
+    if pa.types.is_string(values.type):
+        values = pc.utf8_trim_whitespace(values)
+    if values.null_count:
+        raise BadCellError(pc.index(values.is_null(), True).as_py(), "is empty")
+    return values
+
+
+def as_floats(text: pa.Array) -> Floats | None:
+    """Text as numbers; None where any of it is none."""
+    try:
+        found: Floats = text.cast(pa.float64()).to_numpy(zero_copy_only=False)
+    except pa.ArrowInvalid:
+        return None
+    return found
+
+
+def is_number(kind: pa.DataType) -> bool:
+    """Whether a column's type is one of numbers."""
+    return bool(pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_decimal(kind))
+
+
+def _is_number(text: str) -> bool:
+    try:
+        pa.scalar(text).cast(pa.float64())
+    except pa.ArrowInvalid:
+        return False
+    return True

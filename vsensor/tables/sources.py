@@ -1,0 +1,147 @@
+"""Where a table comes from: CSV, Parquet or Arrow, a batch of rows at a time."""
+
+import csv
+from collections.abc import Iterator, Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Any, Protocol
+
+import pyarrow as pa
+import pyarrow.csv as arrow_csv
+import pyarrow.parquet as arrow_parquet
+
+from vsensor.errors import ConfigError, InputError
+
+_DELIMITERS = (",", ";", "\t")
+
+
+class Source(Protocol):
+    """A file with named columns."""
+
+    path: Path
+
+    def __init__(self, path: Path) -> None: ...
+
+    def batches(self, names: Sequence[str]) -> Iterator[pa.RecordBatch]:
+        """Yield these columns, a batch of rows at a time."""
+
+    def place(self, row: int) -> str:
+        """Where a row (from 0) stands, as its reader would look for it."""
+
+
+class Csv:
+    """Columns apart by commas, semicolons or tabs, whichever parts the header into most; all as text."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def batches(self, names: Sequence[str]) -> Iterator[pa.RecordBatch]:
+        """Yield these columns, a batch of rows at a time."""
+        delimiter, header = self._header()
+        _check_columns(self.path, names, header)
+        ragged: list[Any] = []
+
+        def refuse(row: Any) -> str:
+            ragged.append(row)
+            return "error"
+
+        # As text, to be read as numbers here: Arrow's own message would not name the line.
+        options = arrow_csv.ConvertOptions(
+            include_columns=names,
+            column_types=dict.fromkeys(names, pa.string()),
+            null_values=[""],
+            strings_can_be_null=True,
+        )
+        try:
+            yield from arrow_csv.open_csv(
+                self.path,
+                read_options=arrow_csv.ReadOptions(use_threads=False),  # else rows are not counted
+                parse_options=arrow_csv.ParseOptions(delimiter=delimiter, invalid_row_handler=refuse),
+                convert_options=options,
+            )
+        except pa.ArrowInvalid as error:
+            if not ragged or ragged[-1].number is None:
+                raise InputError(f"{self.path}: is no CSV table: {error}") from error
+            bad = ragged[-1]
+            raise InputError(
+                f"{self.path}, {self.place(bad.number - 2)}: has {bad.actual_columns} values, "
+                f"where the header names {bad.expected_columns}"
+            ) from error
+
+    def _header(self) -> tuple[str, list[str]]:
+        """What parts the columns, and their names."""
+        try:
+            found = []
+            for delimiter in _DELIMITERS:
+                with self.path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
+                    found.append((delimiter, next(filter(None, csv.reader(file, delimiter=delimiter)))))
+            return max(found, key=lambda told: len(told[1]))
+        except StopIteration as error:
+            raise InputError(f"{self.path}: is empty: a header and rows were expected") from error
+        except csv.Error as error:
+            raise InputError(f"{self.path}: is no CSV table: {error}") from error
+
+    def place(self, row: int) -> str:
+        """The line in which a row stands."""
+        with self.path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
+            reader = csv.reader(file)
+            for _ in islice(filter(None, reader), row + 2):  # with the header, without blank lines
+                pass
+            return f"line {reader.line_num}"
+
+
+class Parquet:
+    """Columns of any type of numbers, text or time."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def batches(self, names: Sequence[str]) -> Iterator[pa.RecordBatch]:
+        """Yield these columns, a batch of rows at a time."""
+        try:
+            with arrow_parquet.ParquetFile(self.path) as file:
+                _check_columns(self.path, names, file.schema_arrow.names)
+                yield from file.iter_batches(columns=list(names))
+        except pa.ArrowException as error:
+            raise InputError(f"{self.path}: is no Parquet table: {error}") from error
+
+    def place(self, row: int) -> str:
+        """The number of a row."""
+        return f"row {row + 1}"
+
+
+class Arrow(Parquet):
+    """Arrow's own file format, which is Feather's second version."""
+
+    def batches(self, names: Sequence[str]) -> Iterator[pa.RecordBatch]:
+        """Yield these columns, a batch of rows at a time."""
+        try:
+            with pa.memory_map(str(self.path)) as mapped, pa.ipc.open_file(mapped) as file:
+                _check_columns(self.path, names, file.schema.names)
+                for number in range(file.num_record_batches):
+                    yield file.get_batch(number).select(names)
+        except (pa.ArrowException, OSError) as error:
+            raise InputError(f"{self.path}: is no Arrow table (Feather 2): {error}") from error
+
+
+SOURCES: dict[str, type[Source]] = {".csv": Csv, ".parquet": Parquet, ".feather": Arrow, ".arrow": Arrow}
+"""By the ending of the file's name."""
+
+
+def source_of(path: Path) -> Source:
+    """The source of a table's rows; ConfigError for another kind of file, InputError for none at all."""
+    if path.suffix not in SOURCES:
+        raise ConfigError(f"{path}: a table's name must end in {' or '.join(SOURCES)}")
+    try:
+        path.open("rb").close()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+    return SOURCES[path.suffix](path)
+
+
+def _check_columns(path: Path, names: Sequence[str], present: list[str]) -> None:
+    for name in names:
+        if present.count(name) != 1:
+            fault = "no column" if name not in present else "more than one column"
+            there = ", ".join(map(repr, present))
+            raise InputError(f"{path}: has {fault} {name!r}; its columns are: {there:.300}")
