@@ -259,3 +259,23 @@ def test_the_daemon_listens_on_this_machine_alone(network: Bus, daemon: zenoh.Se
     with pytest.raises(OSError, match="refused"):
         # 127.0.0.2 is this machine too, by another address: one that a socket for all would answer.
         socket.create_connection(("127.0.0.2", port), timeout=5)
+
+
+def test_samples_over_the_rate_are_refused_unread_and_each_is_told(
+    daemon: zenoh.Session, client: zenoh.Session, prefix: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of each channel by itself: a flood on the one takes nothing from the other."""
+    monkeypatch.setattr(bus_module, "INBOX_CAPACITY", 100)
+    inbox = SurfaceInbox(daemon, prefix, CHANNELS, max_rate=1e-3)
+    outbox = Outbox(client, prefix, reliable=True)
+    outbox.put(SURFACE_SPEED, Sample(time_ns=0, value=1.0))
+    got = received(inbox, 1)
+    for number in range(250):
+        outbox.put(SURFACE_TORQUE, Sample(time_ns=number, value=1.0))
+        got.extend(inbox.drain())
+    outbox.put(SURFACE_SPEED, Sample(time_ns=1, value=1.0))
+    got.extend(received(inbox, 251 - sum(each.topic == SURFACE_TORQUE for each in got)))
+    torque = [each for each in got if each.topic == SURFACE_TORQUE]
+    assert [each.over_rate for each in torque] == [False] * 100 + [True] * 150
+    assert all(each.sample is None for each in torque[100:])
+    assert not any(each.over_rate for each in got if each.topic == SURFACE_SPEED)

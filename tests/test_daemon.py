@@ -58,6 +58,7 @@ REFUSED = {
     "late": 1,
     "jumped": 1,
     "bad_at_source": 1,
+    "over_rate": 0,
 }
 
 

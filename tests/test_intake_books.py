@@ -11,10 +11,10 @@ from tests.strings import PIPE, rig
 from tests.test_intake import BEGUN, MS, SMALL, S, T, both, reading, steps, ticks
 from vsensor.intake import NS, Input, Intake
 from vsensor.messages import ChannelStatus, Sample
+from vsensor.messages.books import REFUSALS, refused
 from vsensor.messages.vsensor_pb2 import BAD, UNCERTAIN
 from vsensor.quality import Reason
 
-REFUSED = ("unreadable", "not_finite", "out_of_range", "doubled", "late", "jumped", "bad_at_source")
 DEEDS = (
     "plain", "plain", "plain", "plain", "silence", "late", "doubled", "nan", "inf", "far", "unreadable",
     "forward", "backward", "absurd", "hole", "restart", "bad", "uncertain", "unnumbered",
@@ -74,7 +74,7 @@ def test_the_books_balance(fed: Fed) -> None:
     for topic, channel in intake.channels.items():
         counts = channel.counts
         assert counts.received == sum(1 for to, _ in fed if to == topic)
-        assert counts.received == counts.accepted + sum(getattr(counts, reason) for reason in REFUSED)
+        assert counts.received == counts.accepted + refused(counts)
 
 
 @given(feeds(), st.sampled_from([60.0, 100.0, 300.0]))
@@ -171,7 +171,7 @@ def test_doubled_and_late_samples_are_refused_and_told_apart() -> None:
 
 def refusals(intake: Intake, topic: str = T) -> dict[str, int]:
     counts = intake.channels[topic].counts
-    return {reason: count for reason in REFUSED if (count := getattr(counts, reason))}
+    return {reason: count for reason in REFUSALS if (count := getattr(counts, reason))}
 
 
 def numbered(*given: int, at: list[float] | None = None) -> ChannelStatus:
@@ -233,3 +233,19 @@ def test_what_was_sent_during_a_long_cut_is_lost_once() -> None:
 def test_a_wild_sequence_number_is_another_publishers_and_no_loss() -> None:
     """Else the count would soon pass 64 bits, which ends the loop."""
     assert numbered(*[5, 2**64 - 1] * 3, 5, 7).lost == 1
+
+
+@given(st.lists(st.sampled_from(["read", "unread", "gone"]), max_size=60))
+def test_what_came_too_fast_is_refused_and_not_lost_as_well(fates: list[str]) -> None:
+    """The books balance: published = accepted + refused + lost."""
+    intake = Intake(SMALL)
+    published = ["read", *fates, "read"]
+    for number, fate in enumerate(published):
+        if fate == "unread":
+            intake.refuse_unread(T)
+        elif fate == "read":
+            intake.take(T, Sample(time_ns=BEGUN + number * MS, value=1.0, sequence=number))
+    counts = intake.channels[T].counts
+    assert counts.over_rate == fates.count("unread")
+    assert counts.received == counts.accepted + refused(counts)
+    assert len(published) == counts.accepted + refused(counts) + counts.lost

@@ -1,5 +1,6 @@
 """Zenoh: sessions that stay on this machine unless told otherwise, and typed traffic over them."""
 
+import math
 import time
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
@@ -7,6 +8,7 @@ from dataclasses import dataclass
 import zenoh
 
 from vsensor.access import Role, is_locked, without_place, zenoh_config
+from vsensor.allowance import Allowance
 from vsensor.config import Bus
 from vsensor.errors import BusError
 from vsensor.messages import SENSOR_ALIVE, SENSOR_COMMAND, SURFACE, Message, Sample, message_type, surface
@@ -48,14 +50,19 @@ class Received:
     received_ns: int
     sample: Sample | None
     fault: str = ""
+    over_rate: bool = False
+    """It came too fast to be looked at."""
 
 
 class SurfaceInbox:
     """The rig's surface channels in the order of arrival, drained without waiting."""
 
-    def __init__(self, session: zenoh.Session, prefix: str, topics: Collection[str]) -> None:
+    def __init__(
+        self, session: zenoh.Session, prefix: str, topics: Collection[str], max_rate: float = math.inf
+    ) -> None:
         self._skip = len(prefix) + 1
-        self._topics = topics
+        # A backlog after a cut link is no flood: as much as waits here is let through at once.
+        self._allowances = {topic: Allowance(max_rate, INBOX_CAPACITY) for topic in topics}
         self._subscriber = session.declare_subscriber(
             f"{prefix}/{SURFACE}", zenoh.handlers.RingChannel(INBOX_CAPACITY)
         )
@@ -66,15 +73,24 @@ class SurfaceInbox:
             if (raw := self._subscriber.try_recv()) is None:
                 return
             topic = str(raw.key_expr)[self._skip :]
-            if topic not in self._topics:
+            allowance = self._allowances.get(topic)
+            if allowance is None:
                 continue
-            received_ns = time.time_ns()
-            try:
-                sample = surface.decode(raw.payload.to_bytes(), str(raw.encoding), _time_ns(raw.timestamp))
-            except ValueError as error:
-                yield Received(topic, received_ns, None, str(error))
+            if allowance.take(time.monotonic_ns()):
+                yield _decoded(topic, raw)
             else:
-                yield Received(topic, received_ns, sample)
+                yield Received(topic, time.time_ns(), None, over_rate=True)
+
+
+def _decoded(topic: str, raw: zenoh.Sample) -> Received:
+    received_ns = time.time_ns()
+    try:
+        # Its size is asked first: what is far too large for a sample is not even copied.
+        surface.check_size(len(raw.payload))
+        sample = surface.decode(raw.payload.to_bytes(), str(raw.encoding), _time_ns(raw.timestamp))
+    except ValueError as error:
+        return Received(topic, received_ns, None, str(error))
+    return Received(topic, received_ns, sample)
 
 
 class Questions:

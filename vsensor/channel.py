@@ -38,11 +38,13 @@ class Channel:
             late=0,
             jumped=0,
             bad_at_source=0,
+            over_rate=0,
         )
         self.stale = stale
         self.limit = limit
         self.next_sequence: int | None = None
         self._missing: set[int] = set()
+        self._unread = 0
         self.forget()
 
     def forget(self) -> None:
@@ -76,13 +78,20 @@ class Channel:
             self._missing.remove(given)
             self.counts.lost -= 1
         elif 0 <= ahead <= LONGEST_HOLE:
-            self.counts.lost += ahead
-            self._remember(given, ahead)
+            self.counts.lost += max(ahead - self._unread, 0)
+            self._remember(given, 0 if self._unread else ahead)  # which of them were unread is not known
             self.next_sequence = given + 1
         elif ahead > 0 or (ahead < -1 and sample.time_ns == self.newest_ns):
             # A low number with the newest time: the publisher has begun to count anew.
             self._missing.clear()
             self.next_sequence = given + 1
+        self._unread = 0
+
+    def refuse_unread(self) -> None:
+        """Count a sample that came too fast; the hole that it leaves in the sequence is no loss."""
+        self.counts.received += 1
+        self.counts.over_rate += 1
+        self._unread += 1
 
     def _remember(self, given: int, missing: int) -> None:
         if missing:

@@ -132,6 +132,13 @@ class Intake:
             for channel in self.channels.values():
                 channel.let_go(self._anchor_ns + self._grid.after_ns(self._number))
 
+    def refuse_unread(self, topic: str) -> None:
+        """Count a sample that came too fast to be looked at."""
+        if topic in DEPTH_TOPICS:
+            self.depths.refused += 1
+        else:
+            self.channels[topic].refuse_unread()
+
     def _obey_again(self, event: Event) -> None:
         if event.name != COMMAND:
             return

@@ -132,6 +132,8 @@ class Teller:
 
 
 def _account(console: Console, status: "Status") -> None:
+    from vsensor.messages.books import refused
+
     console.print(
         f"{status.slots_run} of {status.slots_due} slots run, {status.ticks} ticks, "
         f"{status.published} estimates published, {status.recorder_dropped} messages not recorded",
@@ -139,18 +141,9 @@ def _account(console: Console, status: "Status") -> None:
         soft_wrap=True,
     )
     for channel in status.channels:
-        refused = (
-            channel.unreadable
-            + channel.not_finite
-            + channel.out_of_range
-            + channel.doubled
-            + channel.late
-            + channel.jumped
-            + channel.bad_at_source
-        )
         console.print(
             f"{channel.channel}: {channel.received} received, {channel.accepted} accepted, "
-            f"{refused} refused, {channel.lost} lost on the way",
+            f"{refused(channel)} refused, {channel.lost} lost on the way",
             highlight=False,
             soft_wrap=True,
         )

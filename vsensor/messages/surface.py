@@ -19,8 +19,7 @@ def decode(payload: bytes, encoding: str, arrival_time_ns: int | None) -> Sample
     `arrival_time_ns` (Zenoh's timestamp, Unix) stands in where the sample bears no time of its
     own. Raises ValueError with what was wrong and what would be right.
     """
-    if len(payload) > MAX_BYTES:
-        raise ValueError(f"{len(payload)} bytes: a sample takes at most {MAX_BYTES}")
+    check_size(len(payload))
     sample = _by_encoding(payload, encoding.partition(";")[0])
     if not sample.HasField("value"):
         raise ValueError("has no value")
@@ -29,6 +28,12 @@ def decode(payload: bytes, encoding: str, arrival_time_ns: int | None) -> Sample
             raise ValueError("has no time_ns, and the bus gave it no timestamp")
         sample.time_ns = arrival_time_ns
     return sample
+
+
+def check_size(size: int) -> None:
+    """Raise ValueError where so many bytes are no sample."""
+    if size > MAX_BYTES:
+        raise ValueError(f"{size} bytes: a sample takes at most {MAX_BYTES}")
 
 
 def _by_encoding(payload: bytes, encoding: str) -> Sample:

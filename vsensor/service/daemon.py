@@ -51,7 +51,7 @@ class Daemon:
         self._engine = engine
         self._recorder = recorder
         self._recording = None if recorder is None else Recording(rig, engine, recorder)
-        self._inbox = SurfaceInbox(session, rig.prefix, SURFACE_TOPICS)
+        self._inbox = SurfaceInbox(session, rig.prefix, SURFACE_TOPICS, rig.bus.max_rate)
         self._outbox = Outbox(session, rig.prefix, reliable=False)
         self._watch = Watch(rig)
         self._profiler = Profiler(rig, engine.estimator)
@@ -92,6 +92,9 @@ class Daemon:
         self._questions.answer(lambda _words: self.status.SerializeToString(), encoding=PROTOBUF)
         self._commands.answer(self._obey)
         for received in self._inbox.drain():
+            if received.over_rate:
+                self._engine.intake.refuse_unread(received.topic)
+                continue
             if received.fault:
                 self.fault = f"{received.topic}: a sample {received.fault}"
             self._record_received(received)

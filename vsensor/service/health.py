@@ -166,6 +166,7 @@ class Health:
         (status.inertia_correction, status.inertia_correction_std) = next(corrections)
         (status.friction_correction, status.friction_correction_std) = next(corrections)
         status.string_length_m = self._engine.intake.depths.length
+        status.depths_refused = self._engine.intake.depths.refused
         status.off_bottom = self._engine.intake.depths.off_bottom
         status.rock_std_nm = estimator.rock_std
         status.bandwidth_hz = estimator.bandwidth

@@ -1,0 +1,20 @@
+"""What becomes of samples: each is accepted, or refused for one reason."""
+
+from vsensor.messages.vsensor_pb2 import ChannelStatus
+
+REFUSALS = (
+    "unreadable",
+    "not_finite",
+    "out_of_range",
+    "doubled",
+    "late",
+    "jumped",
+    "bad_at_source",
+    "over_rate",
+)
+"""The reasons, as fields of ChannelStatus: received = accepted + the sum of these."""
+
+
+def refused(channel: ChannelStatus) -> int:
+    """How many samples of a channel were refused."""
+    return sum(getattr(channel, reason) for reason in REFUSALS)
