@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -11,6 +12,7 @@ from vsensor.estimator.estimator import Estimator
 from vsensor.intake import Intake
 from vsensor.messages import Array, State
 
+_NUMBERS = re.compile(r"[<>|=][biuf]\d{1,2}")
 Arrays = Sequence[NDArray[np.generic]]
 
 
@@ -53,7 +55,9 @@ def take_up(state: State, intake: Intake, estimator: Estimator) -> None:
 
 
 def _array(described: Array) -> NDArray[np.generic]:
+    if not _NUMBERS.fullmatch(described.dtype):  # numpy would evaluate what else stands there
+        raise ValueError(f"{described.name} is of {described.dtype!r}, which are no numbers")
     kind = np.dtype(described.dtype)
-    if kind.hasobject or len(described.data) != math.prod(described.shape) * kind.itemsize:
+    if len(described.data) != math.prod(described.shape) * kind.itemsize:
         raise ValueError(f"{described.name} is not the {described.dtype}{tuple(described.shape)} it claims")
     return np.frombuffer(described.data, kind).reshape(tuple(described.shape))

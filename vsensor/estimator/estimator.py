@@ -20,6 +20,8 @@ from vsensor.estimator.tune import EVERY_S, INERTIA, correct, tuned
 
 LENGTH = "length"
 """The name under which a saved state holds the length of the topmost component, m."""
+LONGEST_M = 100e3
+"""Longer than any string: a length that was damaged, not one that was recorded."""
 
 
 class Estimates(NamedTuple):
@@ -200,8 +202,11 @@ class Estimator:
         expected = {LENGTH, *flat(self._state)}
         if saved.keys() != expected:
             raise ValueError(f"the saved state holds {sorted(saved)}, not {sorted(expected)}")
+        length = saved[LENGTH]
+        if length.shape != (1,) or not 0 < length[0] <= LONGEST_M:
+            raise ValueError(f"the saved topmost component is {length} m long")
         before = self._rig
-        self._relay(with_length(before, float(saved[LENGTH][0])))
+        self._relay(with_length(before, float(length[0])))
         state = self._new()
         try:
             fill(state, {name: array for name, array in saved.items() if name != LENGTH})
