@@ -279,3 +279,18 @@ def test_samples_over_the_rate_are_refused_unread_and_each_is_told(
     assert [each.over_rate for each in torque] == [False] * 100 + [True] * 150
     assert all(each.sample is None for each in torque[100:])
     assert not any(each.over_rate for each in got if each.topic == SURFACE_SPEED)
+
+
+def test_of_a_flood_no_more_is_refused_at_a_time_than_there_is_time_for(
+    daemon: zenoh.Session, client: zenoh.Session, prefix: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bus_module, "INBOX_CAPACITY", 30)
+    inbox = SurfaceInbox(daemon, prefix, CHANNELS, max_rate=1e-3, most_refused=7)
+    outbox = Outbox(client, prefix, reliable=True)
+    for _ in range(2):
+        for number in range(30):
+            outbox.put(SURFACE_TORQUE, Sample(time_ns=number, value=1.0))
+        got = [len(list(inbox.drain()))]
+        while sum(got) < 30:
+            got.append(len(list(inbox.drain())))
+    assert max(got) == 7

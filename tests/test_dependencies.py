@@ -34,9 +34,8 @@ def installed_with_us() -> dict[str, Distribution]:
 
 
 def licence(of: Distribution) -> str:
-    known = of.metadata
-    classifiers = [line for line in known.get_all("Classifier", []) if line.startswith("License ::")]
-    return " ".join([known.get("License-Expression", ""), known.get("License", ""), *classifiers])
+    fields = [of.metadata.get_all(field, []) for field in ("License-Expression", "License", "Classifier")]
+    return " ".join(text for texts in fields for text in texts if "::" not in text or "License" in text)
 
 
 @pytest.mark.parametrize("name", sorted(installed_with_us()))

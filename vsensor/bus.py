@@ -58,9 +58,15 @@ class SurfaceInbox:
     """The rig's surface channels in the order of arrival, drained without waiting."""
 
     def __init__(
-        self, session: zenoh.Session, prefix: str, topics: Collection[str], max_rate: float = math.inf
+        self,
+        session: zenoh.Session,
+        prefix: str,
+        topics: Collection[str],
+        max_rate: float = math.inf,
+        most_refused: int = INBOX_CAPACITY,
     ) -> None:
         self._skip = len(prefix) + 1
+        self._most_refused = most_refused
         # A backlog after a cut link is no flood: as much as waits here is let through at once.
         self._allowances = {topic: Allowance(max_rate, INBOX_CAPACITY) for topic in topics}
         self._subscriber = session.declare_subscriber(
@@ -69,6 +75,7 @@ class SurfaceInbox:
 
     def drain(self) -> Iterator[Received]:
         """Yield what has come since the last call; never waits, and ends even if ever more comes."""
+        refused = 0
         for _ in range(INBOX_CAPACITY):
             if (raw := self._subscriber.try_recv()) is None:
                 return
@@ -78,8 +85,11 @@ class SurfaceInbox:
                 continue
             if allowance.take(time.monotonic_ns()):
                 yield _decoded(topic, raw)
-            else:
-                yield Received(topic, time.time_ns(), None, over_rate=True)
+                continue
+            yield Received(topic, time.time_ns(), None, over_rate=True)
+            refused += 1
+            if refused == self._most_refused:  # refusing takes time too
+                return
 
 
 def _decoded(topic: str, raw: zenoh.Sample) -> Received:

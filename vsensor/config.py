@@ -183,7 +183,7 @@ class Bus(Table):
     )
     listen: tuple[Endpoint, ...] = Field(default=("tcp/127.0.0.1:7447",), description=_ENDPOINTS)
     connect: tuple[Endpoint, ...] = Field(default=(), description=_ENDPOINTS)
-    max_rate: SampleRate = Field(default=20e3, description='a rate such as "20 kHz"')
+    max_rate: SampleRate = Field(default=5e3, description='a rate such as "5 kHz"')
     multicast_scouting: Switch = False
     zenoh_config: Path | None = None
     client_zenoh_config: Path | None = None

@@ -35,6 +35,9 @@ from vsensor.service.realtime import Achieved, settle
 from vsensor.service.recording import Recorder, Recording
 from vsensor.service.watch import Watch
 
+REFUSING_SHARE = 0.5
+"""Of a flood, half of what may be accepted in a turn is refused in it: the rest waits, and falls out."""
+
 
 class Daemon:
     """One rig's virtual sensor on the bus."""
@@ -51,7 +54,8 @@ class Daemon:
         self._engine = engine
         self._recorder = recorder
         self._recording = None if recorder is None else Recording(rig, engine, recorder)
-        self._inbox = SurfaceInbox(session, rig.prefix, SURFACE_TOPICS, rig.bus.max_rate)
+        most_refused = max(1, round(REFUSING_SHARE * rig.bus.max_rate / rig.loop.rate))
+        self._inbox = SurfaceInbox(session, rig.prefix, SURFACE_TOPICS, rig.bus.max_rate, most_refused)
         self._outbox = Outbox(session, rig.prefix, reliable=False)
         self._watch = Watch(rig)
         self._profiler = Profiler(rig, engine.estimator)
