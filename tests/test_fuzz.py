@@ -26,7 +26,7 @@ from vsensor.estimator.estimator import Estimator
 from vsensor.intake import Intake
 from vsensor.messages import Sample, State
 from vsensor.messages.topics import _TYPES, Message
-from vsensor.tables import read_surface
+from vsensor.tables.surface import read_surface
 from vsensor.view.stream import Stream
 
 VERBS = (
@@ -41,6 +41,7 @@ VERBS = (
     "ft",
     "1e400",
 )
+KINDS = ("csv", "parquet", "feather")
 FOLDER: list[Path] = []
 
 
@@ -71,8 +72,11 @@ def written(kind: str) -> bytes:
     sink = pa.BufferOutputStream()
     if kind == "csv":
         arrow_csv.write_csv(surface_table(), sink)
-    else:
+    elif kind == "parquet":
         arrow_parquet.write_table(surface_table(), sink)
+    else:
+        with pa.ipc.new_file(sink, surface_table().schema) as file:
+            file.write_table(surface_table())
     return bytes(sink.getvalue())
 
 
@@ -88,14 +92,14 @@ def read_or_refused(kind: str, data: bytes) -> None:
     assert all(math.isfinite(value) for value in table.motor_torque_nm)
 
 
-@given(st.sampled_from(["csv", "parquet"]), st.binary())
+@given(st.sampled_from(KINDS), st.binary())
 def test_any_bytes_are_a_table_or_refused(kind: str, data: bytes) -> None:
     read_or_refused(kind, data)
 
 
 # Arrow tells of a ragged row that is no text by a warning of its own, and then refuses the file.
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-@given(st.sampled_from(["csv", "parquet"]), st.data())
+@given(st.sampled_from(KINDS), st.data())
 def test_a_damaged_table_is_read_or_refused(kind: str, data: st.DataObject) -> None:
     good = bytearray(written(kind))
     for _ in range(data.draw(st.integers(1, 8))):

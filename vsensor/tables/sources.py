@@ -12,6 +12,8 @@ import pyarrow.parquet as arrow_parquet
 
 from vsensor.errors import ConfigError, InputError
 
+_DAMAGED = (pa.ArrowException, OSError, UnicodeDecodeError)
+"""What Arrow raises where a file is not what it should be."""
 _DELIMITERS = (",", ";", "\t")
 
 
@@ -59,7 +61,7 @@ class Csv:
                 parse_options=arrow_csv.ParseOptions(delimiter=delimiter, invalid_row_handler=refuse),
                 convert_options=options,
             )
-        except pa.ArrowInvalid as error:
+        except _DAMAGED as error:
             if not ragged or ragged[-1].number is None:
                 raise InputError(f"{self.path}: is no CSV table: {error}") from error
             bad = ragged[-1]
@@ -102,7 +104,7 @@ class Parquet:
             with arrow_parquet.ParquetFile(self.path) as file:
                 _check_columns(self.path, names, file.schema_arrow.names)
                 yield from file.iter_batches(columns=list(names))
-        except pa.ArrowException as error:
+        except _DAMAGED as error:
             raise InputError(f"{self.path}: is no Parquet table: {error}") from error
 
     def place(self, row: int) -> str:
@@ -120,7 +122,7 @@ class Arrow(Parquet):
                 _check_columns(self.path, names, file.schema.names)
                 for number in range(file.num_record_batches):
                     yield file.get_batch(number).select(names)
-        except (pa.ArrowException, OSError) as error:
+        except _DAMAGED as error:
             raise InputError(f"{self.path}: is no Arrow table (Feather 2): {error}") from error
 
 
