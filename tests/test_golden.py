@@ -1,8 +1,15 @@
 """The session in recordings/ must come out bit for bit: any change of a kernel's numbers is told here."""
 
+import math
 from pathlib import Path
 
+import numba
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
 from vsensor.config import loads
+from vsensor.estimator import kernel
 from vsensor.messages import SENSOR_TICK, Estimate, Tick
 from vsensor.recording.reader import Session
 from vsensor.recording.verify import verify
@@ -26,6 +33,23 @@ def test_a_slightly_different_string_is_noticed() -> None:
     longer = rig.model_copy(update={"string": (pipe.model_copy(update={"length": pipe.length + 10}), *rest)})
     verdict = verify(session, Engine(longer))
     assert verdict.first is not None
+    assert verdict.mismatches > verdict.compared / 2
+
+
+def test_a_changed_kernel_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Answers moved in their last bit alone: a kernel's numbers must not change unnoticed by any amount."""
+    session = Session(GOLDEN)
+    rig = loads(session.configuration or "", str(GOLDEN))
+
+    def nudged(out: NDArray[np.float64], at: int, value: float, variance: float) -> None:
+        out[at] = value * (1.0 + 2.3e-16)
+        out[at + 1] = math.sqrt(variance)
+
+    monkeypatch.setattr(kernel, "_tell", numba.njit(nudged))
+    for caller in ("_answer", "_answer_top", "advance"):  # compiled anew: in a kernel its callees stand fast
+        monkeypatch.setattr(kernel, caller, numba.njit(getattr(kernel, caller).py_func))
+    verdict = verify(session, Engine(rig))
+    assert not verdict.exact
     assert verdict.mismatches > verdict.compared / 2
 
 

@@ -5,32 +5,85 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
+from rich.table import Table
 
-from vsensor.config import loads
-from vsensor.errors import InputError
+from vsensor.cli.overrides import changed, overridden
+from vsensor.config import Rig, load, loads
+from vsensor.errors import ConfigError, InputError
 
 if TYPE_CHECKING:
+    from vsensor.recording.compare import Change, Comparison
+    from vsensor.recording.reader import Session
     from vsensor.recording.verify import Gap, Verdict
 
 
-def verify(session: Annotated[Path, typer.Argument(help="A recorded session.")]) -> None:
-    """Run the recorded inputs again under the recorded configuration and compare every estimate."""
+def verify(
+    sessions: Annotated[list[Path], typer.Argument(metavar="SESSION...", help="Recorded sessions.")],
+    config: Annotated[
+        Path | None, typer.Option(help="Run under this rig instead of the recorded one.")
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help='Change a value, such as bit.inertia="60 kg*m^2".'),
+    ] = None,
+    picture: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Draw what changed: a .png, of one session.")
+    ] = None,
+) -> None:
+    """Run the recorded inputs again and compare every estimate; under another rig, tell what changes."""
+    if picture is not None and len(sessions) > 1:
+        raise ConfigError(f"{picture}: a picture is of one session, not of {len(sessions)}")
+    if picture is not None and picture.suffix != ".png":
+        raise ConfigError(f"{picture}: a picture's name must end in .png")
+    console = Console(soft_wrap=True, highlight=False)
+    exact = True
+    for session in sessions:
+        exact = _verify(console, session, config, settings or [], picture) and exact
+    if not exact and config is None and not settings:
+        raise typer.Exit(1)
+
+
+def _verify(
+    console: Console, path: Path, config: Path | None, settings: list[str], picture: Path | None
+) -> bool:
+    """Verify one session and say what came of it; whether it is exact."""
+    from vsensor.recording.compare import Comparison
     from vsensor.recording.reader import Session
     from vsensor.recording.verify import verify as compare
     from vsensor.service.engine import Engine
 
-    recorded = Session(session)
-    if recorded.configuration is None:
-        raise InputError(f"{session}: holds no configuration, so that it cannot be run again")
-    rig = loads(recorded.configuration, f"{session}: recorded configuration")
-    console = Console()
-    with console.status(f"verifying {session}"):
-        verdict = compare(recorded, Engine(rig))
-    if not recorded.complete:
-        console.print(f"{session} is torn: what survives of it is verified", highlight=False, soft_wrap=True)
-    console.print(_words(verdict), highlight=False)
-    if not verdict.exact:
-        raise typer.Exit(1)
+    session = Session(path)
+    recorded = _recorded(session)
+    rig = overridden(load(config) if config else recorded, settings, f"{config or path} with --set")
+    differs = changed(recorded, rig)
+    if rig.loop.rate != recorded.loop.rate:
+        raise ConfigError(
+            f"{path}: its ticks were made at {recorded.loop.rate:g} Hz and can be run at no other rate: "
+            "vsensor estimate makes new ones of its samples"
+        )
+    with console.status(f"verifying {path}"):
+        ticks = sum(topic.messages for topic in session.summary().topics if topic.topic == "sensor/tick")
+        comparison = Comparison(ticks)
+        verdict = compare(session, Engine(rig), strict=not differs, see=comparison.see)
+        comparison.finish()
+    if not session.complete:
+        console.print(f"{path} is torn: what survives of it is verified")
+    console.print(f"{path}: {_words(verdict)}", markup=False)
+    if differs:
+        console.print("under", "\n      ".join(differs), markup=False)
+    if verdict.mismatches:
+        console.print(_table(comparison))
+        console.print(f"the quality of {comparison.qualities} ticks is another")
+    if picture is not None:
+        _draw(picture, path, differs, comparison.changes)
+        console.print(f"drawn in {picture}")
+    return verdict.exact
+
+
+def _recorded(session: "Session") -> Rig:
+    if session.configuration is None:
+        raise InputError(f"{session.path}: holds no configuration, so that it cannot be run again")
+    return loads(session.configuration, f"{session.path}: recorded configuration")
 
 
 def _words(verdict: "Verdict") -> str:
@@ -56,3 +109,37 @@ def _hole(gap: "Gap") -> str:
     if gap.expected is None:
         return f"it begins with tick {gap.found}, and without what the sensor remembered then"
     return f"after tick {gap.expected - 1} the next recorded is {gap.found}"
+
+
+def _table(comparison: "Comparison") -> Table:
+    table = Table(box=None, padding=(0, 2, 0, 0))
+    for heading in ("changed", "rms", "at most", "at, s", "from, s", "stated ±", "now ±", ""):
+        table.add_column(heading, justify="left" if heading in ("changed", "") else "right", no_wrap=True)
+    for change in comparison.changes:
+        table.add_row(f"{change.quantity.kind} {change.quantity.name}", *_figures(change))
+    return table
+
+
+def _figures(change: "Change") -> list[str]:
+    if not change.compared:
+        return ["never answered by both"]
+    stated = [f"{std / change.compared:.4g}" for std in (change.std_recorded, change.std_now)]
+    if not change.largest:
+        return ["0", "", "", "", *stated, change.quantity.unit]
+    return [
+        f"{change.rms:.3g}",
+        f"{change.largest:+.3g}",
+        f"{change.largest_at_s:.2f}",
+        f"{change.first_at_s:.2f}",
+        *stated,
+        change.quantity.unit,
+    ]
+
+
+def _draw(picture: Path, session: Path, differs: list[str], changes: "list[Change]") -> None:
+    try:
+        from vsensor.recording.picture import draw
+    except ImportError as error:
+        raise ConfigError('a picture needs matplotlib: pip install "vsensor[paper]"') from error
+    title = f"{session.name} run again" + (f" under {', '.join(differs)}" if differs else "")
+    draw(picture, title, changes)

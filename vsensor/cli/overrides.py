@@ -1,0 +1,94 @@
+"""A recorded configuration with some values changed, and what is changed in it."""
+
+import re
+import tomllib
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import tomli_w
+
+from vsensor.config import Rig, loads
+from vsensor.errors import ConfigError
+
+_OUTSIDE = ("rig.", "bus.", "recording.", "view.")
+"""What has no part in the estimates; of the loop, only its rate has."""
+_STEP = re.compile(r"([A-Za-z_]\w*)(?:\[(\d+)\])?")
+
+
+def overridden(rig: Rig, settings: Sequence[str], source: str) -> Rig:
+    """The rig with KEY=VALUE applied, such as top_drive.inertia="3000 kg*m^2" or string[2].length=1500.
+
+    Raises ConfigError that names what cannot be set.
+    """
+    data = rig.model_dump(mode="json", exclude_none=True)
+    for setting in settings:
+        key, equals, value = setting.partition("=")
+        if not equals:
+            raise ConfigError(f'--set {setting}: write KEY=VALUE, such as top_drive.inertia="3000 kg*m^2"')
+        _put(data, key.strip(), _value(value.strip()))
+    return loads(tomli_w.dumps(data), source) if settings else rig
+
+
+def changed(before: Rig, after: Rig) -> list[str]:
+    """Each value that differs and has a part in the estimates, as `key: before → after`."""
+    was, is_now = (dict(_leaves("", each.model_dump(mode="json"))) for each in (before, after))
+    differing = [key for key in dict.fromkeys((*was, *is_now)) if was.get(key) != is_now.get(key)]
+    return [f"{key}: {_said(was, key)} → {_said(is_now, key)}" for key in differing if _counts(key)]
+
+
+def _counts(key: str) -> bool:
+    return not key.startswith((*_OUTSIDE, "loop.")) or key == "loop.rate"
+
+
+def _said(values: dict[str, Any], key: str) -> str:
+    value = values.get(key)
+    return "none" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _leaves(path: str, value: Any) -> Iterator[tuple[str, Any]]:
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            yield from _leaves(f"{path}.{name}" if path else name, inner)
+    elif isinstance(value, list) and value and isinstance(value[0], dict):
+        for number, inner in enumerate(value, 1):
+            yield from _leaves(f"{path}[{number}]", inner)
+    else:
+        yield path, value
+
+
+def _value(text: str) -> Any:
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:  # a quantity without its quotes, as shells leave it
+        return text
+
+
+def _put(data: Any, key: str, value: Any) -> None:
+    *path, last = _steps(key)
+    place = data
+    for step in path:
+        place = _into(place, step, key)
+    if isinstance(last, int):
+        _into(place, last, key)
+    place[last] = value
+
+
+def _into(place: Any, step: str | int, key: str) -> Any:
+    if isinstance(step, str):
+        return place.setdefault(step, {})
+    if not isinstance(place, list) or not 0 <= step < len(place):
+        many = f"there are {len(place)}" if isinstance(place, list) else "this is no list"
+        raise ConfigError(f"--set {key}: no number {step + 1}: {many}")
+    return place[step]
+
+
+def _steps(key: str) -> list[str | int]:
+    steps: list[str | int] = []
+    for part in key.split("."):
+        found = _STEP.fullmatch(part)
+        if not found:
+            raise ConfigError(f"--set {key}: {part!r} is no key: write such as string[2].length")
+        steps.append(found[1])
+        if found[2]:
+            steps.append(int(found[2]) - 1)
+    return steps
