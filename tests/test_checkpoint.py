@@ -8,6 +8,7 @@ from tests.rigs import BEGUN_NS, NS, SHORT, Surface, samples, simulated
 from tests.strings import PIPE
 from vsensor import checkpoint
 from vsensor.commands import COMMAND
+from vsensor.intake import FORECAST_SHED
 from vsensor.messages import (
     SENSOR_EVENT,
     SURFACE_BIT_DEPTH,
@@ -31,6 +32,7 @@ def troubled() -> Fed:
     fed = [item for at, item in enumerate(feed) if at not in missing]
     told = Event(time_ns=BEGUN_NS, name=COMMAND, begins=True, text="longer 28.5 m")
     fed.insert(350, (SENSOR_EVENT, told))
+    fed.insert(360, (SENSOR_EVENT, Event(time_ns=BEGUN_NS, name=FORECAST_SHED, begins=True)))
     fed.insert(500, (SURFACE_SPEED, Sample(time_ns=BEGUN_NS + 90 * NS, value=9.0, sequence=7)))
     fed.insert(150, (SURFACE_BIT_DEPTH, Sample(time_ns=BEGUN_NS, value=1190.0)))
     fed.insert(151, (SURFACE_HOLE_DEPTH, Sample(time_ns=BEGUN_NS, value=1190.2)))
@@ -52,7 +54,7 @@ def saved(engine: Engine) -> State:
     return State.FromString(state.SerializeToString())
 
 
-CUTS = (0, 1, 153, 305, 351, 353, 501, len(FED) - 1)
+CUTS = (0, 1, 153, 305, 351, 353, 400, 502, len(FED) - 1)
 """Before anything came, within holes, between a command and the tick that it is for, behind a jump."""
 
 

@@ -85,13 +85,14 @@ class Inputs(NamedTuple):
     reasons: NDArray[np.uint32]
     off_bottom: NDArray[np.bool_]
     longer_by: Floats
+    forecast_shed: NDArray[np.bool_]
 
     def part(self, start: int, end: int) -> "Inputs":
         """Those from tick `start` on, before `end`."""
         return Inputs._make(column[start:end] for column in self)
 
 
-_TYPES = (np.int64, np.int64, np.float64, np.float64, np.uint32, np.bool_, np.float64)
+_TYPES = (np.int64, np.int64, np.float64, np.float64, np.uint32, np.bool_, np.float64, np.bool_)
 Feed = Iterable[Arrivals | tuple[str, Sample | Event]]
 """Samples by columns and, between them, single samples and what the sensor was told."""
 
@@ -220,6 +221,7 @@ class _Stretch(NamedTuple):
             np.zeros(count, np.uint32),
             np.full(count, intake.depths.off_bottom),
             np.zeros(count),
+            np.full(count, intake.forecast_shed),
         )
         if count and (longer_by := intake.depths.longer_by()):
             ticks.longer_by[0], ticks.reasons[0] = longer_by, Reason.STRING_CHANGED

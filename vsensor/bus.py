@@ -73,11 +73,14 @@ class SurfaceInbox:
             f"{prefix}/{SURFACE}", zenoh.handlers.RingChannel(INBOX_CAPACITY)
         )
 
-    def drain(self) -> Iterator[Received]:
-        """Yield what has come since the last call; never waits, and ends even if ever more comes."""
+    def drain(self, more: Callable[[], bool] = lambda: True) -> Iterator[Received]:
+        """Yield what has come since the last call, and no longer than there is time for `more`.
+
+        Never waits, and ends even if ever more comes.
+        """
         refused = 0
         for _ in range(INBOX_CAPACITY):
-            if (raw := self._subscriber.try_recv()) is None:
+            if not more() or (raw := self._subscriber.try_recv()) is None:
                 return
             topic = str(raw.key_expr)[self._skip :]
             allowance = self._allowances.get(topic)

@@ -21,6 +21,10 @@ from vsensor.grid import Grid
 from vsensor.messages import DEPTH_TOPICS, SURFACE_SPEED, SURFACE_TORQUE, Event, Sample
 from vsensor.quality import Reason
 
+FORECAST_SHED = "forecast_shed"
+"""The name of an event: the loop was short of time from here on, or no longer, and foretold nothing."""
+OBEYED = (COMMAND, FORECAST_SHED)
+"""Names of recorded events that change what comes of the samples behind them."""
 FARTHEST_NS = 1 << 62
 """A time beyond 146 years from 1970 is none: near the end of its 64 bits, a forecast's would not fit."""
 
@@ -37,6 +41,8 @@ class Input(NamedTuple):
     off_bottom: bool = False
     longer_by: float = 0.0
     """By how much the string has become longer since the tick before, m."""
+    forecast_shed: bool = False
+    """Nothing is to be foretold: the loop is short of time."""
 
 
 class Intake:
@@ -53,6 +59,8 @@ class Intake:
         self.channels = {SURFACE_TORQUE: self._torque, SURFACE_SPEED: self._speed}
         self.depths = Depths(rig)
         self.restarts = 0
+        self.forecast_shed = False
+        """Whether the loop is short of time for a forecast."""
         self._jump_ns: dict[str, int] = {}
         self._lay_anew()
 
@@ -70,6 +78,7 @@ class Intake:
             "number": self._number,
             "consumed_ns": self._consumed_ns,
             "jump_ns": self._jump_ns,
+            "forecast_shed": self.forecast_shed,
             "channels": {topic: channel.save() for topic, channel in self.channels.items()},
             "depths": self.depths.save(),
         }
@@ -80,6 +89,7 @@ class Intake:
         self._number = saved["number"]
         self._consumed_ns = saved["consumed_ns"]
         self._jump_ns = dict(saved["jump_ns"])
+        self.forecast_shed = bool(saved["forecast_shed"])
         for topic, channel in self.channels.items():
             channel.restore(saved["channels"][topic])
         self.depths.restore(saved["depths"])
@@ -88,7 +98,7 @@ class Intake:
         """Take one sample in the order of arrival, None for one that could not be read.
 
         Returns each tick that both channels have now reached, or that one has left far behind.
-        Of recorded events, commands are obeyed again; raises InputError where this rig cannot.
+        Recorded events of OBEYED are obeyed again; raises InputError where this rig cannot.
         """
         if isinstance(sample, Event):
             self._obey_again(sample)
@@ -140,6 +150,8 @@ class Intake:
             self.channels[topic].refuse_unread()
 
     def _obey_again(self, event: Event) -> None:
+        if event.name == FORECAST_SHED:
+            self.forecast_shed = event.begins
         if event.name != COMMAND:
             return
         try:
@@ -196,7 +208,16 @@ class Intake:
         longer_by = self.depths.longer_by()
         changed = Reason.STRING_CHANGED if longer_by else Reason(0)
         reasons = torque[1] | speed[1] | changed
-        given = Input(self._number, time_ns, torque[0], speed[0], reasons, self.depths.off_bottom, longer_by)
+        given = Input(
+            self._number,
+            time_ns,
+            torque[0],
+            speed[0],
+            reasons,
+            self.depths.off_bottom,
+            longer_by,
+            self.forecast_shed,
+        )
         self._number += 1
         self._consumed_ns = time_ns
         return given

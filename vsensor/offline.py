@@ -13,6 +13,7 @@ from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.kernel import (
     CONFIRMED,
     FORECAST,
+    NO_FORECAST,
     NOW,
     OFF_BOTTOM,
     SPEED,
@@ -74,7 +75,7 @@ class Offline:
         values, reasons, delays = self._estimator.run(
             inputs.motor_torque,
             inputs.motor_speed,
-            inputs.reasons | np.where(inputs.off_bottom, OFF_BOTTOM, 0).astype(np.uint32),
+            inputs.reasons | _flags(inputs),
         )
         confirmed, forecast = (
             times + sign * np.rint(delay * NS).astype(np.int64)
@@ -89,6 +90,11 @@ class Offline:
             **_answer("forecast", values[:, FORECAST:]),
             "quality": _verdicts(reasons),
         }
+
+
+def _flags(inputs: Inputs) -> NDArray[np.uint32]:
+    off_bottom = np.where(inputs.off_bottom, OFF_BOTTOM, 0)
+    return (off_bottom | np.where(inputs.forecast_shed, NO_FORECAST, 0)).astype(np.uint32)
 
 
 def _verdicts(reasons: NDArray[np.uint32]) -> NDArray[np.str_]:

@@ -156,7 +156,7 @@ def _ours(case: Case) -> Contestant:
 @compiled
 def _march_all(model: Model, state: State) -> None:
     for _ in range(MARCHES):
-        predict(model, state)
+        predict(model, state, model.forecast)
 
 
 @compiled

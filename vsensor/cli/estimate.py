@@ -60,13 +60,13 @@ def _rig(source: Path, config: Path | None) -> Rig:
 def _feed(source: Path) -> "Feed":
     """Samples by columns and, of a session, what the sensor was told between them."""
     from vsensor.arrivals import Arrivals
-    from vsensor.commands import COMMAND
+    from vsensor.intake import OBEYED
     from vsensor.recording.feed import feed
     from vsensor.recording.reader import Session
     from vsensor.tables import surface_pieces
 
     if source.suffix == ".mcap":
-        yield from feed(Session(source), obeyed=(COMMAND,))
+        yield from feed(Session(source), obeyed=OBEYED)
         return
     rows = 0
     for table in surface_pieces(source):

@@ -12,8 +12,8 @@ STICK_S = 0.1
 
 
 @compiled
-def predict(model: Model, state: State) -> None:
-    """March on to now and to the end of the forecast; `ahead` then holds the bit at each step."""
+def predict(model: Model, state: State, steps: int) -> None:
+    """March on to now, or to the end of the forecast; `ahead` then holds the bit at each of these steps."""
     known = state.ticks[0] * model.steps + model.steps - 1
     state.marching[:] = state.junctions[0]
     march(
@@ -21,9 +21,9 @@ def predict(model: Model, state: State) -> None:
         load_in_force(state.learned, model.bit_rate),
         state.waves[0],
         known,
-        model.forecast,
+        steps,
         known,
-        model.forecast,
+        steps,
         state.rock[0] * model.fade,
         model.fade,
         state.marching,

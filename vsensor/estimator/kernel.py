@@ -39,6 +39,8 @@ CHANGE_S = 0.05
 """Over so long a prediction's change is taken."""
 OFF_BOTTOM = 1 << 16
 """Flag of an input: the bit is off bottom. Not a reason to doubt anything."""
+NO_FORECAST = 1 << 17
+"""Flag of an input: there is no time to foretell anything beyond now."""
 LOST = 1e4
 """Innovations a hundred times larger than expected: the model string has nothing to do with the real one."""
 
@@ -61,8 +63,8 @@ def advance(
 ) -> None:
     """Run n ticks: inputs (n,), `out` (n, COLUMNS) and `out_reasons` (n,) are filled. No allocation.
 
-    `reasons` (n,) holds flags of `quality.Reason`, and OFF_BOTTOM. An input that is not finite, or beyond
-    belief, counts as missing: the last one is held, and flagged.
+    `reasons` (n,) holds flags of `quality.Reason`, OFF_BOTTOM and NO_FORECAST. An input that is not finite,
+    or beyond belief, counts as missing: the last one is held, and flagged.
     """
     for k in range(torque.shape[0]):
         flags = _enter(model, state, torque[k], speed[k], reasons[k])
@@ -83,9 +85,10 @@ def advance(
             study_rock(model, state)
         if not out_reasons[k] and (state.ticks[0] > SETTLED_S * model.rate or not model.learns):
             study_string(model, state)
-        predict(model, state)
-        _foretell(model, state)
-        _answer(model, state, out_reasons[k], out[k])
+        kinds = FIRST + 1 if reasons[k] & NO_FORECAST else HORIZONS
+        predict(model, state, model.horizons[kinds - 1])
+        _foretell(model, state, kinds)
+        _answer(model, state, out_reasons[k], kinds, out[k])
         if not out_reasons[k] & _WARMING_UP:
             _answer_top(model, state, out[k])
         state.ticks[0] += 1
@@ -181,7 +184,7 @@ def _score(model: Model, state: State) -> None:
     width = state.scores.foretold.shape[3]
     for kind in range(HORIZONS):
         tick, step = foretold_for(model, state, kind)
-        # Nothing was foretold while warming up, nor of a string that was made longer since.
+        # Nothing was foretold while warming up or short of time, nor of a string that was made longer since.
         if tick < model.span or math.isnan(state.scores.foretold[kind, 0, VALUE, tick % width]):
             continue
         state.scores.scored[kind] += 1
@@ -190,12 +193,13 @@ def _score(model: Model, state: State) -> None:
 
 
 @compiled
-def _foretell(model: Model, state: State) -> None:
-    """Note what the march says, and the gains' variance, made for one level of the rock, for this rock."""
+def _foretell(model: Model, state: State, kinds: int) -> None:
+    """Note what the march says of the first horizons, and the gains' variance for this rock."""
     level = state.level[0]
     restless = state.rock_square[0] / model.gains.levels[level] ** 2
     lasting = max(1, int(CHANGE_S * model.rate * model.steps))
-    for kind in range(HORIZONS):
+    state.scores.foretold[kinds:, :, VALUE, state.ticks[0] % state.scores.foretold.shape[3]] = math.nan
+    for kind in range(kinds):
         for q in range(2):
             state.unforeseen[q] = restless * model.gains.unforeseen[level, kind, q]
         ahead = model.horizons[kind]
@@ -203,12 +207,13 @@ def _foretell(model: Model, state: State) -> None:
 
 
 @compiled
-def _answer(model: Model, state: State, reasons: int, out: Floats) -> None:
+def _answer(model: Model, state: State, reasons: int, kinds: int, out: Floats) -> None:
     """Fill a row with what is known and how well; what has no known deviation is not told."""
     out[:] = math.nan
     if reasons & _WARMING_UP:
         return
-    out[STICK] = stick_ahead(model, state)
+    if kinds == HORIZONS:
+        out[STICK] = stick_ahead(model, state)
     by_law = reasons & _STALE != 0
     confirmed = confirmed_step(model, state)
     place = state.ticks[0] % state.scores.foretold.shape[3]
@@ -219,7 +224,7 @@ def _answer(model: Model, state: State, reasons: int, out: Floats) -> None:
         if not by_law or state.scores.scored[FIRST] > 0:
             _tell(out, CONFIRMED + 2 * q, state.told[0, q, confirmed & (state.told.shape[2] - 1)], doubt)
         for kind, at in ((FIRST, NOW), (LAST, FORECAST)):
-            if state.scores.scored[kind] > 0:
+            if kind < kinds and state.scores.scored[kind] > 0:
                 foretold = state.scores.foretold[kind, q, :, place]
                 missed = variance(state.scores, kind, q, foretold)
                 # What was foretold was held against a confirmed answer that is not exact itself.

@@ -8,6 +8,7 @@ import zenoh
 from vsensor.bus import Outbox, Questions, Received, SurfaceInbox
 from vsensor.commands import obey
 from vsensor.config import Rig
+from vsensor.intake import NS
 from vsensor.messages import (
     BIT_ESTIMATE,
     BIT_SPEED,
@@ -33,10 +34,13 @@ from vsensor.service.pace import Pace, Slot
 from vsensor.service.profile import Profiler
 from vsensor.service.realtime import Achieved, settle
 from vsensor.service.recording import Recorder, Recording
+from vsensor.service.shed import NO_FORECAST, NO_PROFILE
 from vsensor.service.watch import Watch
 
 REFUSING_SHARE = 0.5
 """Of a flood, half of what may be accepted in a turn is refused in it: the rest waits, and falls out."""
+LONGEST_TURN_S = 0.05
+"""A turn with more to make up for leaves the rest to the next: status, commands and signals do not wait."""
 
 
 class Daemon:
@@ -62,6 +66,7 @@ class Daemon:
         self.health = Health(rig, engine, self._watch.sticks, realtime)
         self.status = self.health.status("starting", recorder)
         self._per_second = round(rig.loop.rate)
+        self._longest_ns = round(max(LONGEST_TURN_S, 0.5 / rig.loop.rate) * NS)
         self.fault = ""
         """What made the last unreadable sample unreadable."""
         self._owed = 0
@@ -95,7 +100,8 @@ class Daemon:
         self._count_owed(slot)
         self._questions.answer(lambda _words: self.status.SerializeToString(), encoding=PROTOBUF)
         self._commands.answer(self._obey)
-        for received in self._inbox.drain():
+        until = time.monotonic_ns() + self._longest_ns
+        for received in self._inbox.drain(lambda: time.monotonic_ns() < until):
             if received.over_rate:
                 self._engine.intake.refuse_unread(received.topic)
                 continue
@@ -132,7 +138,7 @@ class Daemon:
             self._publish(BIT_TORQUE, _as_sensor(estimate, "now_bit_torque", "nm"), tick.time_ns)
         for event in self._watch.tick(tick, estimate):
             self._tell(event)
-        if profile := self._profiler.look(estimate):
+        if self.health.shedding.level < NO_PROFILE and (profile := self._profiler.look(estimate)):
             self._publish(STRING_PROFILE, profile, profile.time_ns)
             if (over := self._watch.profile(profile)) is not None:
                 self._tell(over)
@@ -141,6 +147,10 @@ class Daemon:
     def _each_second(self) -> None:
         for note in self._recording.each_second() if self._recording is not None else ():
             self._tell(self._watch.note(*note))
+        level = self.health.second()
+        self._engine.intake.forecast_shed = level >= NO_FORECAST
+        for event in self._watch.shedding(level):
+            self._tell(event)
         for event in self._each_second_seen():
             self._tell(event)
         self.status = self.health.status(self._state(), self._recorder)

@@ -12,6 +12,7 @@ from vsensor.estimator.figures import ROWS
 from vsensor.estimator.kernel import (
     CONFIRMED,
     FORECAST,
+    NO_FORECAST,
     NOW,
     OFF_BOTTOM,
     SPEED,
@@ -83,6 +84,7 @@ class Engine:
         if tick.longer_by_m:
             self.estimator.lengthen(tick.longer_by_m)
         flags = tick.reasons | (OFF_BOTTOM if tick.off_bottom else 0)
+        flags |= NO_FORECAST if tick.forecast_shed else 0
         values, reasons = self.estimator.step(tick.motor_torque_nm, tick.motor_speed_rad_s, flags)
         self._warm = not reasons & Reason.WARMING_UP
         self._newest = tick.number % self.recent.shape[1]
@@ -96,6 +98,8 @@ class Engine:
         for name, at in _FIELDS:
             if not math.isnan(value := float(values[at])):
                 setattr(estimate, name, value)
+        if tick.forecast_shed:
+            estimate.forecast_shed = True
         if estimate.HasField("confirmed_bit_speed_rad_s"):
             estimate.confirmed_time_ns = tick.time_ns - round(self.estimator.confirmed_delay * NS)
         if estimate.HasField("forecast_bit_speed_rad_s"):
@@ -115,4 +119,6 @@ def tick_of(given: Input) -> Tick:
     )
     if given.longer_by:
         tick.longer_by_m = given.longer_by
+    if given.forecast_shed:
+        tick.forecast_shed = True
     return tick

@@ -16,6 +16,7 @@ from vsensor.service.engine import Engine
 from vsensor.service.histogram import Histogram, quantile_s
 from vsensor.service.pace import Slot
 from vsensor.service.realtime import Achieved
+from vsensor.service.shed import Shedding
 from vsensor.service.sticks import Sticks
 
 SILENCE_NS = NS
@@ -54,6 +55,11 @@ class Health:
         self._input_age = Histogram()
         self._publish = Histogram()
         self._publishing_ns = 0
+        self._worked_ns = 0
+        self._second_ns = self._started_ns
+        self.load = 0.0
+        """Share of the last second that the loop worked."""
+        self.shedding = Shedding()
         self.slots_run = 0
         self.slots_skipped = 0
         self.ticks = 0
@@ -72,9 +78,17 @@ class Health:
     def end(self, work_ns: int) -> None:
         """Note how long the turn's work took, and how much of it went into publishing."""
         self._work.note(work_ns)
+        self._worked_ns += work_ns
         if self._publishing_ns:
             self._publish.note(self._publishing_ns)
             self._publishing_ns = 0
+
+    def second(self) -> int:
+        """Close a second's account; returns what is to be left out from now on."""
+        now = time.monotonic_ns()
+        self.load = self._worked_ns / max(now - self._second_ns, 1)
+        self._second_ns, self._worked_ns = now, 0
+        return self.shedding.second(self.load)
 
     def listen(self) -> None:
         """Note which channels have spoken since the last call, and how old the older one's word is."""
@@ -154,6 +168,9 @@ class Health:
             if any(second):
                 setattr(status, f"{name}_p50_s", quantile_s(second, 0.5))
                 setattr(status, f"{name}_p99_s", quantile_s(second, 0.99))
+        status.load = self.load
+        status.shed = self.shedding.level
+        status.sheddings = self.shedding.count
         status.realtime = self.realtime.asked
         status.scheduling = self.realtime.scheduling
         status.processors = ",".join(map(str, self.realtime.processors))

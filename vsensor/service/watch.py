@@ -7,9 +7,10 @@ from vsensor.commands import COMMAND
 from vsensor.config import Rig
 from vsensor.depth import Depths
 from vsensor.estimator.figures import STUCK_SPEED
-from vsensor.intake import NS
+from vsensor.intake import FORECAST_SHED, NS
 from vsensor.messages import Estimate, Event, Profile, Tick
 from vsensor.messages.vsensor_pb2 import BAD
+from vsensor.service.shed import NO_FORECAST, NO_PROFILE
 from vsensor.service.sticks import Sticks
 
 STUCK_S = 0.3
@@ -68,6 +69,16 @@ class Watch:
             "depths_at_odds",
             "the bit's depth and the string's length differ by more than a connection could: ",
             "the bit's depth and the string's length agree again: ",
+        )
+        self._no_profile = Condition(
+            "profile_shed",
+            "the loop is short of time: no profile is told",
+            "the loop has time again for the profile",
+        )
+        self._no_forecast = Condition(
+            FORECAST_SHED,
+            "the loop is short of time: nothing is foretold",
+            "the loop has time again for the forecast",
         )
         self._turning = 2 * STUCK_SPEED * rig.top_drive.gear_ratio
         """Motor speed from which the string turns, rad/s."""
@@ -145,6 +156,14 @@ class Watch:
         seen = (
             self._input.see(input_lost, self._last_ns),
             self._stick_slip.see(not math.isnan(severity) and severity >= STICK_SLIP, self._last_ns),
+        )
+        return [event for event in seen if event is not None]
+
+    def shedding(self, level: int) -> list[Event]:
+        """Look at what the loop leaves out."""
+        seen = (
+            self._no_profile.see(level >= NO_PROFILE, self._last_ns),
+            self._no_forecast.see(level >= NO_FORECAST, self._last_ns),
         )
         return [event for event in seen if event is not None]
 
