@@ -5,8 +5,10 @@ import numpy as np
 import pytest
 
 from tests.strings import BIT, DRIVE, PIPE, rig
+from vsensor.config import Tuning
 from vsensor.estimator.estimator import Estimator
-from vsensor.estimator.kernel import CONFIRMED, OFF_BOTTOM, SPEED, STICK, TORQUE
+from vsensor.estimator.kernel import CONFIRMED, OFF_BOTTOM, SPEED, STICK, TORQUE, TORQUE_STD
+from vsensor.estimator.tune import OFFSET
 from vsensor.simulate.rig import SimulatedRig
 from vsensor.simulate.scenario import PLANS, Scenario
 
@@ -51,3 +53,20 @@ def test_off_bottom_the_bit_meets_nothing_and_the_law_that_was_learned_is_kept()
     error = values[:, CONFIRMED + SPEED] - np.interp(when, free[:, 3], free[:, 4])
     assert np.sqrt(np.mean(error**2)) < 0.15
     assert abs(values[:, CONFIRMED + TORQUE].mean()) < 100
+
+
+def test_a_torque_that_reads_too_high_is_tared_off_bottom() -> None:
+    unsure = LONG.model_copy(update={"tuning": Tuning(friction=0.01, torque_offset=500.0)})
+    lifted = SimulatedRig(LONG, PLANS[Scenario.OFF_BOTTOM], seed=3)
+    free = np.array([lifted.sample() for _ in range(80 * 50)])
+    off = np.full(len(free), OFF_BOTTOM)
+    knows, finds = Estimator(LONG), Estimator(unsure)
+    exact = knows.run(free[:, 1], free[:, 2], off).values
+    found = finds.run(free[:, 1] + 300.0, free[:, 2], off).values
+    assert finds.tuning[OFFSET] == pytest.approx(300.0, abs=40)
+    assert found[500, CONFIRMED + TORQUE_STD] > 400
+    assert finds.tuning_std[OFFSET] < 100
+    assert abs(found[3000:, CONFIRMED + TORQUE].mean()) < 60
+    truth = np.interp(free[:, 0] - finds.confirmed_delay, free[:, 3], free[:, 4])
+    errors = [np.sqrt(np.mean((of[2200:, CONFIRMED + SPEED] - truth[2200:]) ** 2)) for of in (found, exact)]
+    assert errors[0] < 1.25 * errors[1]

@@ -212,11 +212,13 @@ def test_a_stick_foretold_is_told_with_its_time() -> None:
 
 def test_each_correction_of_the_configuration_is_told_once() -> None:
     watching = Watch(SMALL)
-    assert watching.corrections(0.0, 0.0, 0.0) is None
-    event = watching.corrections(-0.0147, 0.0, 0.25)
+    assert watching.corrections(0.0, 0.0, 0.0, 0.0) is None
+    event = watching.corrections(-0.0147, 0.0, 0.25, 120.0)
     assert event is not None
-    assert event.text.endswith("delay -1.47%, top-drive inertia +0.0%, wall friction +25.0%")
-    assert watching.corrections(-0.0147, 0.0, 0.25) is None
+    assert event.text.endswith(
+        "delay -1.47%, top-drive inertia +0.0%, wall friction +25.0%, torque's zero +120 N·m"
+    )
+    assert watching.corrections(-0.0147, 0.0, 0.25, 120.0) is None
 
 
 def test_depths_that_do_not_fit_the_string_are_told() -> None:

@@ -131,7 +131,7 @@ class EstimatorSettings(Table):
 
 
 class Tuning(Table):
-    """How far the configuration may be from the truth, one standard deviation as a share of each.
+    """How far the configuration may be from the truth, one standard deviation, most as a share of each.
 
     The stated deviations count with it. Where `enabled`, the record itself corrects them, by no
     more than three of these.
@@ -141,6 +141,7 @@ class Tuning(Table):
     delay: Share = Field(default=0.01, description="a share such as 0.01")
     inertia: Share = Field(default=0.05, description="a share such as 0.05")
     friction: Share = Field(default=0.15, description="a share such as 0.15")
+    torque_offset: Torque = Field(default=0.0, description='a torque such as "200 N*m"')
 
 
 class DepthSettings(Table):

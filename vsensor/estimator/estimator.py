@@ -13,10 +13,11 @@ from vsensor.estimator.carry import carry
 from vsensor.estimator.gains import Gains
 from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.model import model_of, timed, with_length
+from vsensor.estimator.observe import shift_torque
 from vsensor.estimator.responses import TOLD_BIT_SPEED, TOLD_TOP_SPEED
 from vsensor.estimator.sections import Floats, Line, cut, junction_depths, steps_per_tick
 from vsensor.estimator.state import Model, State, fill, flat, fresh, heard, is_learned
-from vsensor.estimator.tune import EVERY_S, INERTIA, correct, tuned
+from vsensor.estimator.tune import EVERY_S, INERTIA, OFFSET, correct, tuned
 
 LENGTH = "length"
 """The name under which a saved state holds the length of the topmost component, m."""
@@ -127,12 +128,12 @@ class Estimator:
 
     @property
     def tuning(self) -> Floats:
-        """Corrections in force of delay, top-drive inertia and wall friction, as shares; shape (3,)."""
+        """Corrections in force: shares of delay, inertia and friction, and the torque's offset, N·m; (4,)."""
         return self._state.tuning.value.copy()
 
     @property
     def tuning_std(self) -> Floats:
-        """Standard deviations of what they leave uncertain, shape (3,)."""
+        """Standard deviations of what they leave uncertain, shape (4,)."""
         return np.asarray(np.sqrt(self._state.tuning.variance))
 
     @property
@@ -294,7 +295,14 @@ class Estimator:
         self._told = self._model
         kernel.advance(self._model, self._state, torques, speeds, flags, values, lasting)
         due = len(torques) and self._state.ticks[0] % self._between == 0
-        if due and correct(self._state.tuning, self._model.off, self._rig.tuning.enabled):
+        if due:
+            self._correct()
+
+    def _correct(self) -> None:
+        value = self._state.tuning.value
+        offset = float(value[OFFSET])
+        if correct(self._state.tuning, self._model.off, self._rig.tuning.enabled):
+            shift_torque(self._model, self._state, float(value[OFFSET]) - offset)
             # What is in the lines stays there: they are read at other delays from now on.
             self._model = self._corrected()
 

@@ -19,6 +19,7 @@ from vsensor.estimator.tune import (
     DELAY,
     FRICTION,
     INERTIA,
+    OFFSET,
     SETTLED_S,
     STRINGS,
     wall_torque,
@@ -101,7 +102,8 @@ def _enter(model: Model, state: State, torque: float, speed: float, reasons: int
         flags |= _STALE_TORQUE
     if not abs(speed) <= model.limits[1]:
         flags |= _STALE_SPEED
-    _keep(state, 0, torque, flags & _STALE_TORQUE != 0)
+    offset = state.tuning.value[OFFSET] / model.passed
+    _keep(state, 0, torque - offset, flags & _STALE_TORQUE != 0)
     _keep(state, 1, speed, flags & _STALE_SPEED != 0)
     return flags
 
@@ -170,7 +172,7 @@ def _doubt(model: Model, state: State, quantity: int, step: int) -> float:
         # The wall's own speed is the top's at least on average: it rubs where the bit rests.
         top = step - (model.now - model.behind * model.steps)
         wall = wall_torque(model.line, state.told[0, TOLD_TOP_SPEED, top & mask])
-        by_parameters += unsure[FRICTION] * wall * wall
+        by_parameters += (unsure[FRICTION] * wall + 2.0 * state.tuning.shared[0]) * wall + unsure[OFFSET]
         # Parts of the wall that rest hold anything up to their static friction: all of it is equally likely.
         held = state.held[(state.ticks[0] - model.lag) % state.held.shape[0]]
         by_parameters += held * held / 3.0
@@ -233,12 +235,14 @@ def _answer(model: Model, state: State, reasons: int, kinds: int, out: Floats) -
 
 @compiled
 def _answer_top(model: Model, state: State, out: Floats) -> None:
-    """The string's top at the time that is confirmed of the bit, and what noise leaves of doubt."""
+    """The string's top at the time that is confirmed of the bit, and what noise and offset leave of doubt."""
     step = confirmed_step(model, state) - (model.now - model.behind * model.steps)
     at = step & (state.told.shape[2] - 1)
     for q in range(2):
-        by_noise = model.gains.variance[state.level[0], 2 + q] * max(1.0, state.surprise[0])
-        _tell(out, TOP + 2 * q, state.told[0, 2 + q, at], by_noise)
+        doubt = model.gains.variance[state.level[0], 2 + q] * max(1.0, state.surprise[0])
+        if q == 1:
+            doubt += state.tuning.variance[OFFSET]
+        _tell(out, TOP + 2 * q, state.told[0, 2 + q, at], doubt)
 
 
 @compiled

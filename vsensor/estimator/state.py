@@ -212,7 +212,7 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
         last_seen=np.full(FLAGS, -(1 << 62), np.int64),
         learned=fresh_law(bit),
         scores=fresh_scores(ahead // model.steps + model.lag + 2, model.rate),
-        tuning=fresh_tuning(settings),
+        tuning=fresh_tuning(settings, model.passed),
         marching=np.zeros(sections + 1),
         ahead=np.zeros((2, ahead)),
         unforeseen=np.zeros(2),

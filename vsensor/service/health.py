@@ -182,6 +182,7 @@ class Health:
         (status.delay_correction, status.delay_correction_std) = next(corrections)
         (status.inertia_correction, status.inertia_correction_std) = next(corrections)
         (status.friction_correction, status.friction_correction_std) = next(corrections)
+        (status.torque_offset_nm, status.torque_offset_std_nm) = next(corrections)
         status.string_length_m = self._engine.intake.depths.length
         status.depths_refused = self._engine.intake.depths.refused
         status.off_bottom = self._engine.intake.depths.off_bottom

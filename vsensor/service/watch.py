@@ -84,7 +84,7 @@ class Watch:
         """Motor speed from which the string turns, rad/s."""
         self._slow_since_ns: int | None = None
         self._turned_ns: int | None = None
-        self._tuning: tuple[float, ...] = (0.0, 0.0, 0.0)
+        self._tuning: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
         self._last_ns = time.time_ns()  # until the first tick tells the source's own time
 
     def tick(self, tick: Tick, estimate: Estimate) -> list[Event]:
@@ -167,14 +167,14 @@ class Watch:
         )
         return [event for event in seen if event is not None]
 
-    def corrections(self, delay: float, inertia: float, friction: float) -> Event | None:
-        """Look at the corrections of the configuration in force, as shares."""
-        if (now := (delay, inertia, friction)) == self._tuning:
+    def corrections(self, delay: float, inertia: float, friction: float, offset: float) -> Event | None:
+        """Look at the corrections of the configuration in force, as shares, and the torque's offset, N·m."""
+        if (now := (delay, inertia, friction, offset)) == self._tuning:
             return None
         self._tuning = now
         text = (
             f"the configuration is corrected: delay {delay:+.2%}, top-drive inertia {inertia:+.1%}, "
-            f"wall friction {friction:+.1%}"
+            f"wall friction {friction:+.1%}, torque's zero {offset:+.0f} N·m"
         )
         return Event(time_ns=self._last_ns, name="self_tuning", begins=True, text=text)
 
