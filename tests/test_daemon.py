@@ -24,9 +24,11 @@ from vsensor.messages import (
     SENSOR_EVENT,
     SENSOR_STATUS,
     SENSOR_TICK,
+    STRING_DESCRIPTION,
     STRING_PROFILE,
     SURFACE_SPEED,
     SURFACE_TORQUE,
+    Description,
     Estimate,
     Message,
     Profile,
@@ -241,6 +243,13 @@ def test_the_string_is_told_ten_times_a_second_at_the_confirmed_time(life: Life)
     heard = cast("list[Profile]", life.heard[STRING_PROFILE])
     assert heard
     assert all(profile == recorded[profile.number] for profile in heard)
+
+
+def test_what_the_string_is_is_told_too(life: Life) -> None:
+    told = cast("list[Description]", life.recorded(STRING_DESCRIPTION))
+    profile = cast("list[Profile]", life.recorded(STRING_PROFILE))[0]
+    assert told
+    assert all(description.depth_m == profile.depth_m for description in told)
 
 
 def test_the_status_tells_what_becomes_of_the_power(life: Life) -> None:

@@ -91,7 +91,7 @@ def test_minimum_curvature_as_the_textbooks_work_it() -> None:
     foot = 0.3048
     path = well_path(survey((0, 15, 20), (100 * foot, 25, 45)))
     assert math.degrees(path.curvature[0] * 100 * foot) == pytest.approx(12.95, abs=0.005)
-    assert path.vertical[1] / foot == pytest.approx(94.01, abs=0.005)
+    assert path.place[1] / foot == pytest.approx([27.22, 19.45, 94.01], abs=0.005)
 
 
 def test_a_quarter_circle_ends_where_it_must() -> None:

@@ -76,7 +76,7 @@ class Heard(NamedTuple):
 
 def stations(string: Sequence[Component], line: Line, junctions: Floats) -> Stations:
     """Lay out the stations on a string cut into `line`, whose junctions are at these depths (m)."""
-    depth, component, seen = _depths(string)
+    depth, component, seen = station_depths(string)
     last = len(line.impedance) - 1
     section = np.clip(np.searchsorted(junctions, seen, side="right") - 1, 0, last)
     share = np.clip((seen - junctions[section]) / np.diff(junctions)[section], 0.0, 1.0)
@@ -94,7 +94,7 @@ def stations(string: Sequence[Component], line: Line, junctions: Floats) -> Stat
     )
 
 
-def _depths(string: Sequence[Component]) -> tuple[Floats, Integers, Floats]:
+def station_depths(string: Sequence[Component]) -> tuple[Floats, Integers, Floats]:
     """Each station's depth, its component, and the depth with the ends moved inside; shapes (n,)."""
     spacing = sum(part.length for part in string) / INTERVALS
     depths, components, seen = [], [], []

@@ -27,8 +27,8 @@ class Path(NamedTuple):
 
     depth: Floats
     """Measured depth of each arc's top, m, shape (K,)."""
-    vertical: Floats
-    """True vertical depth of each arc's top, m, shape (K,)."""
+    place: Floats
+    """Where each arc's top is, m from the well's own top, shape (K, 3)."""
     tangent: Floats
     """Unit vector along the well at each arc's top, shape (K, 3)."""
     normal: Floats
@@ -92,13 +92,13 @@ def well_path(survey: Sequence[Station]) -> Path:
     normal = across / np.maximum(_norm(across), np.finfo(float).tiny)[:, None]
     path = Path(
         depth,
-        np.zeros_like(depth),
+        np.zeros_like(tangent),
         tangent,
         np.vstack([normal, np.zeros(3)]),
         np.append(angle / np.diff(depth), 0.0),
     )
-    drops = _drop(path, np.arange(len(angle)), np.diff(depth))
-    return path._replace(vertical=np.cumsum(np.append(0.0, drops)))
+    ways = _way(path, np.arange(len(angle)), np.diff(depth))
+    return path._replace(place=np.vstack([np.zeros(3), np.cumsum(ways, axis=0)]))
 
 
 def direction(path: Path, depth: Floats) -> tuple[Floats, Floats]:
@@ -110,10 +110,15 @@ def direction(path: Path, depth: Floats) -> tuple[Floats, Floats]:
     return tangent * np.cos(turned) + normal * np.sin(turned), bend
 
 
+def place(path: Path, depth: Floats) -> Floats:
+    """Where the well is at measured depths (n,): north, east and down of its top, m, shape (n, 3)."""
+    arc = _arc(path, depth)
+    return path.place[arc] + _way(path, arc, depth - path.depth[arc])
+
+
 def vertical_depth(path: Path, depth: Floats) -> Floats:
     """True vertical depth at measured depths (n,), m."""
-    arc = _arc(path, depth)
-    return path.vertical[arc] + _drop(path, arc, depth - path.depth[arc])
+    return np.asarray(place(path, depth)[:, 2])
 
 
 def contact(string: Sequence[Component], path: Path, wellbore: Wellbore) -> Contact:
@@ -153,11 +158,11 @@ def _arc(path: Path, depth: Floats) -> Integers:
     return np.asarray(np.searchsorted(path.depth, depth, side="right") - 1)
 
 
-def _drop(path: Path, arc: Integers, way: Floats) -> Floats:
-    """How much deeper the well gets on its way (m, shape (n,)) from the tops of these arcs."""
-    half = path.curvature[arc] * way / 2
-    mean = path.tangent[arc, 2] * np.cos(half) + path.normal[arc, 2] * np.sin(half)
-    return np.asarray(way * mean * np.sinc(half / np.pi))
+def _way(path: Path, arc: Integers, along: Floats) -> Floats:
+    """Where one gets along the well (m, shape (n,)) from the tops of these arcs: the chord, shape (n, 3)."""
+    half = (path.curvature[arc] * along / 2)[:, None]
+    mean = path.tangent[arc] * np.cos(half) + path.normal[arc] * np.sin(half)
+    return np.asarray(along[:, None] * mean * np.sinc(half / np.pi))
 
 
 def _norm(vectors: Floats) -> Floats:

@@ -1,8 +1,17 @@
 """The keys below a rig's prefix, and the message that each carries."""
 
-from vsensor.messages.vsensor_pb2 import Estimate, Event, Profile, Sample, State, Status, Tick
+from vsensor.messages.vsensor_pb2 import (
+    Description,
+    Estimate,
+    Event,
+    Profile,
+    Sample,
+    State,
+    Status,
+    Tick,
+)
 
-Message = Sample | Tick | Estimate | Profile | Status | Event | State
+Message = Sample | Tick | Estimate | Profile | Description | Status | Event | State
 
 SURFACE = "surface/*"
 SURFACE_TORQUE = "surface/torque"
@@ -13,6 +22,7 @@ BIT_TORQUE = "bit/torque"
 BIT_SPEED = "bit/speed"
 BIT_ESTIMATE = "bit/estimate"
 STRING_PROFILE = "string/profile"
+STRING_DESCRIPTION = "string/description"
 SENSOR_TICK = "sensor/tick"
 SENSOR_STATUS = "sensor/status"
 SENSOR_EVENT = "sensor/event"
@@ -31,6 +41,7 @@ _TYPES: dict[str, type[Message]] = {
     BIT_SPEED: Sample,
     BIT_ESTIMATE: Estimate,
     STRING_PROFILE: Profile,
+    STRING_DESCRIPTION: Description,
     SENSOR_TICK: Tick,
     SENSOR_STATUS: Status,
     SENSOR_EVENT: Event,

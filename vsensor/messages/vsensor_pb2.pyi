@@ -541,6 +541,95 @@ class Profile(_message.Message):
 Global___Profile: _TypeAlias = Profile  # noqa: Y015
 
 @_typing.final
+class Description(_message.Message):
+    """What the string is and how it lies: once in ten seconds, and when it has become longer. Arrays of n stations,
+    those of the profile; a straight well without a survey lies straight down.
+    """
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    TIME_NS_FIELD_NUMBER: _builtins.int
+    DEPTH_M_FIELD_NUMBER: _builtins.int
+    NORTH_M_FIELD_NUMBER: _builtins.int
+    EAST_M_FIELD_NUMBER: _builtins.int
+    VERTICAL_DEPTH_M_FIELD_NUMBER: _builtins.int
+    IMPEDANCE_NM_S_RAD_FIELD_NUMBER: _builtins.int
+    COMPLIANCE_RAD_NM_M_FIELD_NUMBER: _builtins.int
+    COMPONENT_FIELD_NUMBER: _builtins.int
+    COMPONENT_END_M_FIELD_NUMBER: _builtins.int
+    MODE_HZ_FIELD_NUMBER: _builtins.int
+    GEAR_RATIO_FIELD_NUMBER: _builtins.int
+    EFFICIENCY_FIELD_NUMBER: _builtins.int
+    time_ns: _builtins.int
+    """our clock"""
+    gear_ratio: _builtins.float
+    """motor turns for one of the string"""
+    efficiency: _builtins.float
+    """of motor and gear"""
+    @_builtins.property
+    def depth_m(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
+        """along the string, from its top"""
+
+    @_builtins.property
+    def north_m(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]: ...
+    @_builtins.property
+    def east_m(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]: ...
+    @_builtins.property
+    def vertical_depth_m(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]: ...
+    @_builtins.property
+    def impedance_nm_s_rad(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
+        """ζ: T + ζω is the wave that travels down, T − ζω up"""
+
+    @_builtins.property
+    def compliance_rad_nm_m(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
+        """1/(GJ): twist a metre for each N·m"""
+
+    @_builtins.property
+    def component(self) -> _containers.RepeatedScalarFieldContainer[_builtins.str]:
+        """from the top down, each with the depth of its lower end"""
+
+    @_builtins.property
+    def component_end_m(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]: ...
+    @_builtins.property
+    def mode_hz(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
+        """torsional, top held, ascending"""
+
+    def __init__(
+        self,
+        *,
+        time_ns: _builtins.int | None = ...,
+        depth_m: _abc.Iterable[_builtins.float] | None = ...,
+        north_m: _abc.Iterable[_builtins.float] | None = ...,
+        east_m: _abc.Iterable[_builtins.float] | None = ...,
+        vertical_depth_m: _abc.Iterable[_builtins.float] | None = ...,
+        impedance_nm_s_rad: _abc.Iterable[_builtins.float] | None = ...,
+        compliance_rad_nm_m: _abc.Iterable[_builtins.float] | None = ...,
+        component: _abc.Iterable[_builtins.str] | None = ...,
+        component_end_m: _abc.Iterable[_builtins.float] | None = ...,
+        mode_hz: _abc.Iterable[_builtins.float] | None = ...,
+        gear_ratio: _builtins.float | None = ...,
+        efficiency: _builtins.float | None = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_efficiency", b"_efficiency", "_gear_ratio", b"_gear_ratio", "_time_ns", b"_time_ns", "efficiency", b"efficiency", "gear_ratio", b"gear_ratio", "time_ns", b"time_ns"]  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_efficiency", b"_efficiency", "_gear_ratio", b"_gear_ratio", "_time_ns", b"_time_ns", "compliance_rad_nm_m", b"compliance_rad_nm_m", "component", b"component", "component_end_m", b"component_end_m", "depth_m", b"depth_m", "east_m", b"east_m", "efficiency", b"efficiency", "gear_ratio", b"gear_ratio", "impedance_nm_s_rad", b"impedance_nm_s_rad", "mode_hz", b"mode_hz", "north_m", b"north_m", "time_ns", b"time_ns", "vertical_depth_m", b"vertical_depth_m"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    _WhichOneofReturnType__efficiency: _TypeAlias = _typing.Literal["efficiency"]  # noqa: Y015
+    _WhichOneofArgType__efficiency: _TypeAlias = _typing.Literal["_efficiency", b"_efficiency"]  # noqa: Y015
+    _WhichOneofReturnType__gear_ratio: _TypeAlias = _typing.Literal["gear_ratio"]  # noqa: Y015
+    _WhichOneofArgType__gear_ratio: _TypeAlias = _typing.Literal["_gear_ratio", b"_gear_ratio"]  # noqa: Y015
+    _WhichOneofReturnType__time_ns: _TypeAlias = _typing.Literal["time_ns"]  # noqa: Y015
+    _WhichOneofArgType__time_ns: _TypeAlias = _typing.Literal["_time_ns", b"_time_ns"]  # noqa: Y015
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__efficiency) -> _WhichOneofReturnType__efficiency | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__gear_ratio) -> _WhichOneofReturnType__gear_ratio | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__time_ns) -> _WhichOneofReturnType__time_ns | None: ...
+
+Global___Description: _TypeAlias = Description  # noqa: Y015
+
+@_typing.final
 class ChannelStatus(_message.Message):
     """What came in on one channel, and what became of it."""
 

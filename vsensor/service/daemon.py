@@ -18,6 +18,7 @@ from vsensor.messages import (
     SENSOR_EVENT,
     SENSOR_STATUS,
     SENSOR_TICK,
+    STRING_DESCRIPTION,
     STRING_PROFILE,
     SURFACE_TOPICS,
     Estimate,
@@ -28,6 +29,7 @@ from vsensor.messages import (
     Tick,
 )
 from vsensor.messages.surface import PROTOBUF
+from vsensor.service.describe import Describer
 from vsensor.service.engine import Engine
 from vsensor.service.health import Health
 from vsensor.service.pace import Pace, Slot
@@ -63,6 +65,7 @@ class Daemon:
         self._outbox = Outbox(session, rig.prefix, reliable=False)
         self._watch = Watch(rig)
         self._profiler = Profiler(rig, engine.estimator)
+        self._describer = Describer(rig, engine.estimator)
         self.health = Health(rig, engine, self._watch.sticks, realtime)
         self.status = self.health.status("starting", recorder)
         self._per_second = round(rig.loop.rate)
@@ -155,6 +158,8 @@ class Daemon:
             self._tell(event)
         self.status = self.health.status(self._state(), self._recorder)
         self._publish(SENSOR_STATUS, self.status, self.status.time_ns)
+        if description := self._describer.second():
+            self._publish(STRING_DESCRIPTION, description, description.time_ns)
 
     def _each_second_seen(self) -> Iterator[Event]:
         yield from self._watch.second(self.health.severity, self.health.input_lost)
