@@ -74,3 +74,18 @@ def test_later_recordings_get_files_of_their_own() -> None:
         "a/view-3.rrd",
     ]
     assert Place("page").numbered(2) is None
+
+
+def test_it_is_served_elsewhere_only_where_told_and_says_so() -> None:
+    place = chosen([], web=True, bind="0.0.0.0")  # noqa: S104 -- that is what is tested
+    host = socket.gethostname()
+    assert place.page.startswith(f"http://{host}:{place.page_port}/?url=rerun%2Bhttp%3A%2F%2F{host}%3A")
+    assert place.origins == [f"http://{host}:{place.page_port}"]
+    assert "whoever reaches this machine can look on" in place.words()
+    assert "whoever" not in chosen([], web=True).words()
+
+
+@pytest.mark.parametrize("address", ["rig-7", "192.0.2.1", "300.1.1.1"])
+def test_an_address_that_is_not_of_this_machine_is_refused_by_name(address: str) -> None:
+    with pytest.raises(ViewError, match=f"--bind {address}: is no address of this machine"):
+        chosen([], web=True, bind=address)

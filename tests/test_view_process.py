@@ -9,7 +9,7 @@ import sys
 import threading
 import time
 import urllib.request
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -57,7 +57,7 @@ class View:
 
     def __init__(self, *arguments: str) -> None:
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "vsensor.cli.main", "view", "--rig", "t", *arguments],
+            [sys.executable, "-m", "vsensor.cli.main", "view", *arguments],
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
@@ -94,8 +94,8 @@ class View:
 
 
 @contextmanager
-def view(*arguments: str) -> Iterator[View]:
-    running = View(*arguments)
+def view(*arguments: str, rig: Sequence[str] = ("--rig", "t")) -> Iterator[View]:
+    running = View(*rig, *arguments)
     try:
         yield running
     finally:
@@ -133,10 +133,13 @@ def test_a_file_is_complete_when_the_view_is_ended(
         until(lambda: file.stat().st_size > begun + 150_000)
         assert running.end(how) == 0
     rows: dict[str, int] = {}
-    for chunk in RrdReader(file).stream():
+    with pytest.warns(match="no footer"):  # which a file that grows for days does without
+        reader = RrdReader(file)
+    for chunk in reader.stream():
         rows[chunk.entity_path] = rows.get(chunk.entity_path, 0) + chunk.num_rows
     assert rows["/speed/at_surface"] > 50
-    assert rows["/speed/bit/now"] == rows["/speed/band/now"] > 50
+    assert rows["/speed/bit/now"] == rows["/torque/bit/now"] > 50
+    assert rows["/glance"] > 1
 
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])

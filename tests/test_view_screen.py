@@ -13,13 +13,19 @@ from rerun.chunk import RrdReader
 
 from tests.view_rig import BEGUN_NS, bit_speed, messages
 from vsensor.view import series
-from vsensor.view.blueprint import TIMELINE, blueprint
-from vsensor.view.live import Live
+from vsensor.view.blueprint import TABS, TIMELINE, USUAL, Reach, blueprint
+from vsensor.view.live import Live, Show
 from vsensor.view.place import Place, ViewError
+from vsensor.view.readings import KINDS
 from vsensor.view.screen import Screen
 from vsensor.view.stream import Stream
+from vsensor.view.units import Units
 
 RPM = 60 / (2 * math.pi)
+
+
+def layout(reach: Reach) -> rrb.Blueprint:
+    return blueprint(30.0, Units(), reach)
 
 
 def batches(path: Path) -> dict[str, list[pa.RecordBatch]]:
@@ -40,7 +46,7 @@ def column(chunks: list[pa.RecordBatch], name: str) -> list[Any]:
 def test_a_file_holds_everything_that_came_at_its_time_and_in_its_unit(tmp_path: Path) -> None:
     path = tmp_path / "view.rrd"
     stream = Stream()
-    with Screen("t", blueprint(60.0), Place("file", save=path)) as screen:
+    with Screen("t", layout, Place("file", save=path), live=False) as screen:
         for _, message in messages(400):
             stream.take(message)
         screen.send(stream.batches())
@@ -49,16 +55,17 @@ def test_a_file_holds_everything_that_came_at_its_time_and_in_its_unit(tmp_path:
     times = [t.value for c in confirmed for t in c[TIMELINE]]
     assert len(times) == 400
     truth = [bit_speed((time_ns - BEGUN_NS) / 1e9) * RPM for time_ns in times]
-    np.testing.assert_allclose(np.ravel(column(confirmed, "Scalars")), truth, atol=1e-6)
-    assert {len(row) for row in column(found["/speed/band/now"], "Scalars")} == {2}
-    assert "stuck begins" in str(column(found["/log"], "text"))
-    assert column(found["/event/stuck"], "state")[:3] == [["stuck"], [""], ["stuck"]]
-    assert "Bit" in str(column(found["/panel"], "text"))
+    np.testing.assert_allclose(np.ravel(column(confirmed, "values")), truth, atol=1e-6)
+    bands = np.ravel(column(found["/speed/bit/now"], "variances"))
+    np.testing.assert_allclose(bands, (2 * 0.4 * RPM) ** 2)
+    assert "stuck: the bit stands still" in str(column(found["/log"], "text"))
+    assert column(found["/service/event/stuck"], "state")[:3] == [["stuck"], [""], ["stuck"]]
+    assert "speed ± 2σ" in str(column(found["/answers"], "text"))
 
 
 def test_a_file_that_cannot_be_written_is_refused_by_name(tmp_path: Path) -> None:
     path = tmp_path / "nowhere" / "view.rrd"
-    with pytest.raises(ViewError, match="nowhere"), Screen("t", blueprint(60.0), Place("file", save=path)):
+    with pytest.raises(ViewError, match="nowhere"), Screen("t", layout, Place("file", save=path), live=False):
         pass
 
 
@@ -76,12 +83,12 @@ def test_when_time_falls_back_another_recording_begins(tmp_path: Path) -> None:
     path = tmp_path / "view.rrd"
     years_before = BEGUN_NS - 10 * 365 * 86400 * 1_000_000_000
     heard = [m for _, m in messages(50)] + [m for _, m in messages(70, years_before)]
-    with Screen("t", blueprint(60.0), Place("file", save=path)) as screen:
-        Live(Ears(*heard), screen, Stream).turn()  # type: ignore[arg-type]
+    with Screen("t", layout, Place("file", save=path), live=False) as screen:
+        Live(Ears(*heard), Show(screen, Stream)).turn()  # type: ignore[arg-type]
     for file, count, begun_ns in ((path, 50, BEGUN_NS), (tmp_path / "view-2.rrd", 70, years_before)):
         times = [t.value for c in batches(file)["/speed/at_surface"] for t in c[TIMELINE]]
         assert (len(times), min(times)) == (count, begun_ns)
-    assert len(RrdReader(path).blueprints()) == len(RrdReader(tmp_path / "view-2.rrd").blueprints()) == 1
+        assert RrdReader(file).blueprints()
 
 
 def views(part: object) -> list[rrb.api.View]:
@@ -95,7 +102,7 @@ def test_everything_that_is_sent_is_shown_somewhere() -> None:
     for _, message in messages(300):
         stream.take(message)
     sent = {batch.entity for batch in stream.batches()}
-    shown = views(blueprint(60.0).root_container)
+    shown = views(layout(USUAL).root_container)
     roots = {str(root).removesuffix("/**") for view in shown for root in _roots(view)}
     assert not {entity for entity in sent if not any(entity.startswith(root) for root in roots)}
 
@@ -104,6 +111,29 @@ def _roots(view: rrb.api.View) -> list[str]:
     return [str(view.origin)] if view.contents == "$origin/**" else [str(part) for part in view.contents]  # type: ignore[union-attr]
 
 
-def test_the_lines_of_the_bit_are_drawn_above_its_bands_and_those_above_the_surface() -> None:
-    names = [series.surface(series.SPEED), series.band(series.SPEED, "now"), series.bit(series.SPEED, "now")]
-    assert names == sorted(names)
+def test_the_bit_is_drawn_above_the_surface_and_the_present_on_top() -> None:
+    plot = series.SPEED
+    names = [series.surface(plot), *(series.bit(plot, kind) for kind in KINDS), series.present(plot)]
+    assert names[0] == min(names)
+    assert names[-1] == max(names)
+
+
+def test_three_tabs_of_which_the_one_that_is_asked_for_is_open() -> None:
+    for number, tab in enumerate(TABS):
+        tabs = blueprint(30.0, Units(), tab=tab).root_container
+        assert [part.name for part in tabs.contents] == ["Driller", "Engineer", "Service"]
+        assert tabs.active_tab == number
+
+
+def test_the_layout_is_sent_again_only_where_the_reach_has_changed(tmp_path: Path) -> None:
+    path = tmp_path / "view.rrd"
+    asked: list[Reach] = []
+
+    def noted(reach: Reach) -> rrb.Blueprint:
+        asked.append(reach)
+        return layout(reach)
+
+    with Screen("t", noted, Place("file", save=path), live=False) as screen:
+        for reach in (Reach(2.0, 0.5), Reach(2.01, 0.5), Reach(2.5, 0.5)):
+            screen.fit(reach)
+    assert asked == [USUAL, Reach(2.0, 0.5), Reach(2.5, 0.5)]

@@ -1,54 +1,27 @@
-"""What the driller reads: right, plain, and nothing that must not be trusted in large figures."""
+"""What is read: right, plain, and in the units that were asked for."""
 
-import pytest
-
-from tests.view_rig import estimate, status
+from tests.view_rig import estimate, status, stuck
 from vsensor.messages import Estimate, Status
-from vsensor.messages.vsensor_pb2 import BAD
-from vsensor.quality import Reason
-from vsensor.view.words import health, panel, silence
+from vsensor.view.units import Units
+from vsensor.view.words import answers, health, silence, told
 
 
-def test_the_panel_leads_with_the_bit_and_how_rough_it_runs() -> None:
-    head, second, *rest = panel(estimate(100), status()).split("\n\n")
-    assert head == "# Bit 191 rpm, 3.1 kN·m"
-    assert second == "# STICK-SLIP, severity 1.20"
-    assert "| now | 191 ± 8 rpm | 3.1 ± 0.4 kN·m |" in rest[0]
-    assert "| 1.2 s ago | 0 ± 2 rpm | 3.0 ± 0.2 kN·m |" in rest[0]
-    assert "(max − min) / (2 mean)" in rest[-1]
-
-
-@pytest.mark.parametrize(
-    ("severity", "verdict"),
-    [(0.0, "Smooth"), (0.49, "Smooth"), (0.5, "Uneven"), (0.99, "Uneven"), (1.0, "STICK-SLIP")],
-)
-def test_the_severity_is_told_in_a_word(severity: float, verdict: str) -> None:
-    assert f"# {verdict}, severity {severity:.2f}" in panel(estimate(0), Status(severity=severity))
-
-
-def test_an_unknown_severity_is_no_smooth_one() -> None:
-    assert "# Stick-slip not known yet" in panel(estimate(0), Status())
-
-
-def test_a_bad_estimate_is_not_shown_in_large_figures_and_says_why() -> None:
-    bad = estimate(100)
-    bad.quality = BAD
-    bad.reasons = int(Reason.STALE_TORQUE | Reason.WARMING_UP)
-    text = panel(bad, status("input lost"))
-    assert text.startswith("# Bit not known: input lost")
-    assert "bad (warming up, stale torque)" in text
+def test_the_answers_stand_with_their_times_and_deviations_in_the_units_asked_for() -> None:
+    text = answers(estimate(100), status(), Units())
+    assert "| now | 191 ± 8 rpm | 3.1 ± 0.4 kN·m |" in text
+    assert "| 1.2 s ago | 0 ± 2 rpm | 3.0 ± 0.2 kN·m |" in text
+    assert "(max − min) / (2 mean)" in text
+    other = answers(estimate(100), status(), Units("rad/s", "kft*lbf"))
+    assert "| now | 20.0 ± 0.8 rad/s | 2.3 ± 0.3 kft·lbf |" in other
 
 
 def test_before_anything_is_known_nothing_is_claimed() -> None:
-    text = panel(Estimate(), Status())
-    assert "Bit not known: no status yet" in text
-    assert "estimate **not known**" in text
+    assert answers(Estimate(), Status(), Units()).count("not known") == 6
 
 
-def test_a_verdict_of_a_newer_daemon_is_not_trusted() -> None:
-    strange = estimate(100)
-    strange.MergeFromString(bytes([0x88, 0x01, 9]))  # field 17, quality = 9
-    assert panel(strange, status()).startswith("# Bit not known")
+def test_an_event_is_told_with_its_time_and_whether_it_ends() -> None:
+    assert told(stuck(0, True)) == ("WARN", "22:13:20 stuck: the bit stands still")
+    assert told(stuck(150, False)) == ("INFO", "22:13:21 stuck ends: the bit stands still")
 
 
 def test_every_count_of_something_lost_is_told() -> None:

@@ -8,10 +8,14 @@ from vsensor.messages import (
     SENSOR_EVENT,
     SENSOR_STATUS,
     SENSOR_TICK,
+    STRING_DESCRIPTION,
+    STRING_PROFILE,
     ChannelStatus,
+    Description,
     Estimate,
     Event,
     Message,
+    Profile,
     Status,
     Tick,
 )
@@ -61,6 +65,8 @@ def estimate(number: int, begun_ns: int = BEGUN_NS) -> Estimate:
         forecast_bit_speed_std_rad_s=0.7,
         forecast_bit_torque_nm=3200.0,
         forecast_bit_torque_std_nm=300.0,
+        top_speed_rad_s=10.0,
+        top_torque_nm=7000.0,
         quality=GOOD,
         reasons=0,
     )
@@ -88,6 +94,54 @@ def status(state: str = "running", time_ns: int = BEGUN_NS) -> Status:
     )
 
 
+LENGTH = 3000.0
+DEPTHS = [LENGTH * share / 10 for share in range(11)]
+COMPLIANCE = 1e-6
+IMPEDANCE = 400.0
+
+
+def profile(number: int, begun_ns: int = BEGUN_NS) -> Profile:
+    """Torque falls evenly from 8 kN·m at the top to 3 kN·m at the bit, which is the weaker end."""
+    torque = [8000.0 - 5000.0 * depth / LENGTH for depth in DEPTHS]
+    return Profile(
+        number=number,
+        time_ns=begun_ns + number * 1_000_000_000 // RATE - DELAY_NS,
+        quality=GOOD,
+        reasons=0,
+        depth_m=DEPTHS,
+        speed_rad_s=[bit_speed(number / RATE - DELAY_S)] * 11,
+        torque_nm=torque,
+        shear_stress_pa=[5e3 * each for each in torque],
+        torque_limit_nm=[40e3] * 10 + [4e3],
+        margin=[0.8] * 10 + [0.25],
+        weakest_component="collars",
+        weakest_depth_m=LENGTH,
+        weakest_torque_nm=3000.0,
+        weakest_limit_nm=4000.0,
+        weakest_limited_by="make-up torque",
+        weakest_margin=0.25,
+    )
+
+
+def description() -> Description:
+    """Straight down to half its depth, then east at a right angle."""
+    half = LENGTH / 2
+    return Description(
+        time_ns=BEGUN_NS,
+        depth_m=DEPTHS,
+        north_m=[0.0] * 11,
+        east_m=[max(0.0, depth - half) for depth in DEPTHS],
+        vertical_depth_m=[min(half, depth) for depth in DEPTHS],
+        impedance_nm_s_rad=[IMPEDANCE] * 11,
+        compliance_rad_nm_m=[COMPLIANCE] * 11,
+        component=["pipe", "collars"],
+        component_end_m=[2800.0, LENGTH],
+        mode_hz=[0.25, 0.75, 1.25, 9.0],
+        gear_ratio=1.0,
+        efficiency=1.0,
+    )
+
+
 def stuck(number: int, begins: bool) -> Event:
     return Event(
         time_ns=BEGUN_NS + number * 1_000_000_000 // RATE,
@@ -103,8 +157,11 @@ def messages(ticks: int, begun_ns: int = BEGUN_NS) -> Iterator[tuple[str, Messag
     for number in range(ticks):
         yield SENSOR_TICK, tick(number, begun_ns)
         yield BIT_ESTIMATE, estimate(number, begun_ns)
+        if number % (RATE // 10) == 0:
+            yield STRING_PROFILE, profile(number, begun_ns)
         if number % RATE == 0:
             yield SENSOR_STATUS, status()
+            yield STRING_DESCRIPTION, description()
         if (sticks := bit_speed(number / RATE) == 0.0) != was:
             was = sticks
             yield SENSOR_EVENT, stuck(number, sticks)

@@ -139,15 +139,40 @@ def command(session: zenoh.Session, prefix: str, words: str) -> str:
 
 
 class Feed:
-    """What a viewer listens to: every message we know below a rig's prefix, newest kept."""
+    """What a listener hears below a rig's prefix: of these topics, or every message we know.
 
-    def __init__(self, session: zenoh.Session, prefix: str, capacity: int = INBOX_CAPACITY) -> None:
+    Of each topic that is named the newest `capacity` are kept while nobody drains; a flood of one pushes
+    out no other's.
+    """
+
+    def __init__(
+        self,
+        session: zenoh.Session,
+        prefix: str,
+        topics: Collection[str] = ("**",),
+        capacity: int = INBOX_CAPACITY,
+    ) -> None:
         self._skip = len(prefix) + 1
-        self._subscriber = session.declare_subscriber(f"{prefix}/**", zenoh.handlers.RingChannel(capacity))
+        self._capacity = capacity
+        self._subscribers = [
+            session.declare_subscriber(f"{prefix}/{topic}", zenoh.handlers.RingChannel(capacity))
+            for topic in topics
+        ]
 
     def drain(self) -> Iterator[tuple[str, Message]]:
-        """Yield (topic, message) of what has come since the last call; what is unreadable is passed over."""
-        while (raw := self._subscriber.try_recv()) is not None:
+        """Yield (topic, message) of what has come since the last call, topic after topic.
+
+        Never waits, and ends even if ever more comes; what is unreadable is passed over.
+        """
+        for subscriber in self._subscribers:
+            yield from self._drain(subscriber)
+
+    def _drain(
+        self, subscriber: "zenoh.Subscriber[zenoh.handlers.Handler[zenoh.Sample]]"
+    ) -> Iterator[tuple[str, Message]]:
+        for _ in range(self._capacity):
+            if (raw := subscriber.try_recv()) is None:
+                return
             topic = str(raw.key_expr)[self._skip :]
             kind = message_type(topic)
             if kind is None or str(raw.encoding) != surface.PROTOBUF:

@@ -206,10 +206,16 @@ class Recording(Table):
     memory: Time = Field(default=300.0, le=3600, description='a time up to 1 h, such as "5 min", or 0')
 
 
+SpeedUnit = Literal["rpm", "rad/s"]
+TorqueUnit = Literal["kN*m", "N*m", "kft*lbf"]
+
+
 class View(Table):
     """How the live view shows the rig."""
 
-    history: PositiveTime = 60.0
+    history: PositiveTime = Field(default=30.0, description='a time such as "30 s"')
+    speed_unit: SpeedUnit = "rpm"
+    torque_unit: TorqueUnit = "kN*m"
 
 
 class Rig(Table):

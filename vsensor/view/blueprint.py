@@ -1,82 +1,161 @@
-"""How the screen is laid out: a tab to see at a glance what the bit does, and one for the sensor's health."""
+"""How the screen is laid out: a tab each for who drills, who understands, and who looks after the sensor."""
+
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
 
 import rerun as rr
 import rerun.blueprint as rrb
 
 from vsensor.view import series
+from vsensor.view.charts import chart, spacetime
+from vsensor.view.palette import GROUND
+from vsensor.view.units import Units
 
 TIMELINE = "source time"
 
-TAIL_S = 4.0
-"""How far back the forecast and the bands about now and forecast are drawn: where they tell something yet."""
+Tab = Literal["driller", "engineer", "service"]
+TABS: tuple[Tab, ...] = ("driller", "engineer", "service")
 
 
-def blueprint(history_s: float) -> rrb.Blueprint:
-    """The layout; the plots show the last `history_s` seconds before the time cursor."""
+class Reach(NamedTuple):
+    """How late an answer is confirmed, and how far ahead it is foretold, s."""
+
+    delay_s: float
+    horizon_s: float
+
+
+USUAL = Reach(1.5, 1.0)
+"""Until the sensor has told its own."""
+
+
+def blueprint(history_s: float, units: Units, reach: Reach = USUAL, tab: Tab = "driller") -> rrb.Blueprint:
+    """The layout; plots show the last `history_s` seconds before the time cursor: the forecast's end."""
     return rrb.Blueprint(
-        rrb.Tabs(_bit_tab(history_s), _health_tab(history_s)),
+        rrb.Tabs(
+            _driller(history_s, units, reach),
+            _engineer(history_s, units),
+            _service(history_s),
+            active_tab=TABS.index(tab),
+        ),
         rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following"),
+        rrb.TopPanel(state="hidden"),
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
     )
 
 
-def _bit_tab(history_s: float) -> rrb.Horizontal:
+def _driller(history_s: float, units: Units, reach: Reach) -> rrb.Vertical:
     plots = rrb.Vertical(
-        _bit_plot(series.SPEED, "Speed, rpm", history_s),
-        _bit_plot(series.TORQUE, "Torque, kN·m", history_s),
-        _lanes(history_s),
-        row_shares=[9, 8, 6],
+        _bit_plot(series.SPEED, f"Speed, {units.speed}", history_s, reach),
+        _bit_plot(series.TORQUE, f"Torque, {units.torque}", history_s, reach),
+        _lanes(series.DRILLER_STATES, "What is so", history_s),
+        row_shares=[10, 8, 10],
     )
     side = rrb.Vertical(
-        rrb.TextDocumentView(origin=series.PANEL, name="The bit now"),
-        _lateness(history_s),
+        rrb.TextDocumentView(origin=series.PAGE, name="Answers"),
         _log(),
-        row_shares=[11, 5, 8],
+        row_shares=[9, 12],
     )
-    return rrb.Horizontal(plots, side, column_shares=[7, 3], name="Bit")
+    glance = rrb.Spatial2DView(origin=series.GLANCE, name="Now", background=_ground())
+    below = rrb.Horizontal(plots, side, column_shares=[7, 3])
+    return rrb.Vertical(glance, below, row_shares=[2, 10], name="Driller")
 
 
-def _health_tab(history_s: float) -> rrb.Horizontal:
-    severity = "Stick-slip severity, (max − min) / (2 mean) of the bit's speed"
-    plots = rrb.Vertical(_plot(series.SEVERITY, severity, history_s), _lateness(history_s, legend=True))
-    losses = rrb.TextDocumentView(origin=series.HEALTH, name="Losses and timing")
-    return rrb.Horizontal(plots, losses, column_shares=[6, 4], name="Health")
+def _engineer(history_s: float, units: Units) -> rrb.Vertical:
+    field = rrb.Tabs(
+        _chart(series.FIELD_TORQUE, f"Torque along the string, {units.torque}", spacetime.BOUNDS),
+        _chart(series.FIELD_SPEED, f"Speed along the string, {units.speed}", spacetime.BOUNDS),
+        active_tab=0,
+    )
+    twist = rrb.Spatial3DView(
+        origin=series.TWIST,
+        name="Twist and shear stress of the string",
+        background=_ground(),
+        line_grid=rrb.LineGrid3D(visible=False),
+        eye_controls=rrb.EyeControls3D(
+            position=(0.1, -1.35, -0.42), look_target=(0.08, 0.0, -0.52), eye_up=(0, 0, 1)
+        ),
+    )
+    above = rrb.Horizontal(
+        field, _chart(series.WAVES, "Waves in the delay lines", chart.BOUNDS), column_shares=[5, 4]
+    )
+    portrait = _chart(series.PORTRAIT, "What the rock asks: torque by speed", chart.BOUNDS)
+    below = rrb.Horizontal(
+        _chart(series.SPECTRUM, "Spectrum of speed", chart.BOUNDS), portrait, column_shares=[5, 4]
+    )
+    foretold = _plot(series.SPEED, f"Foretold and come, {units.speed}", history_s)
+    left = rrb.Vertical(above, below, foretold, row_shares=[5, 5, 3])
+    return rrb.Vertical(rrb.Horizontal(left, twist, column_shares=[7, 3]), name="Engineer")
 
 
-def _bit_plot(origin: str, name: str, history_s: float) -> rrb.TimeSeriesView:
-    tails = [series.bit(origin, "forecast"), series.band(origin, "forecast"), series.band(origin, "now")]
+def _service(history_s: float) -> rrb.Horizontal:
+    lateness = _plot(series.LATENESS, "Lateness of the loop, ms", history_s)
+    work = _plot(series.WORK, "Work of a turn, ms", history_s)
+    ages = _plot(series.AGES, "Age of the newest sample when the second ends, ms", history_s)
+    losses = _plot(series.LOSSES, "Losses in each second", history_s)
+    queues = _plot(series.QUEUES, "Queues", history_s)
+    conditions = _lanes((f"{series.SERVICE_STATES}/**",), "Sensor, quality and conditions", history_s)
+    plots = rrb.Vertical(
+        rrb.Horizontal(lateness, work), rrb.Horizontal(ages, losses), rrb.Horizontal(queues, conditions)
+    )
+    side = rrb.Vertical(
+        rrb.TextDocumentView(origin=series.HEALTH, name="Counts since the daemon's start"),
+        _log(),
+        row_shares=[3, 2],
+    )
+    return rrb.Horizontal(plots, side, column_shares=[6, 4], name="Service")
+
+
+def _bit_plot(origin: str, name: str, history_s: float, reach: Reach) -> rrb.TimeSeriesView:
+    """Confirmed, then now, then foretold: each from where the one before it ends."""
+    ahead = _visible(reach.horizon_s)
     return rrb.TimeSeriesView(
         origin=origin,
         name=name,
         axis_x=rrb.TimeAxis(view_range=_range(history_s)),
         plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
         time_ranges=_visible(history_s),
-        overrides={entity: _visible(TAIL_S) for entity in tails},
+        overrides={
+            series.bit(origin, "now"): _visible(reach.horizon_s + reach.delay_s),
+            series.bit(origin, "forecast"): ahead,
+            series.present(origin): _visible(reach.horizon_s + 0.05),
+        },
     )
 
 
-def _plot(origin: str, name: str, history_s: float, *, legend: bool = False) -> rrb.TimeSeriesView:
+def _plot(origin: str, name: str, history_s: float) -> rrb.TimeSeriesView:
     return rrb.TimeSeriesView(
         origin=origin,
         name=name,
         axis_x=rrb.TimeAxis(view_range=_range(history_s)),
-        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop, visible=legend),
+        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
         time_ranges=_visible(history_s),
     )
 
 
-def _lateness(history_s: float, *, legend: bool = False) -> rrb.TimeSeriesView:
-    return _plot(series.LATENESS, "Lateness of the loop, ms", history_s, legend=legend)
-
-
-def _lanes(history_s: float) -> rrb.StateTimelineView:
+def _lanes(contents: Sequence[str], name: str, history_s: float) -> rrb.StateTimelineView:
     return rrb.StateTimelineView(
-        contents=[f"{series.DAEMON}/**", f"{series.EVENTS}/**"],
-        name="Sensor and events",
+        contents=list(contents),
+        name=name,
         time_view=rrb.TimeAxis(view_range=_range(history_s)),
         time_ranges=_visible(history_s),
     )
+
+
+def _chart(
+    origin: str, name: str, bounds: tuple[tuple[float, float], tuple[float, float]]
+) -> rrb.Spatial2DView:
+    x_range, y_range = bounds
+    return rrb.Spatial2DView(
+        origin=origin,
+        name=name,
+        background=_ground(),
+        visual_bounds=rrb.VisualBounds2D(x_range=x_range, y_range=y_range),
+    )
+
+
+def _ground() -> rrb.Background:
+    return rrb.Background(color=GROUND, kind="SolidColor")
 
 
 def _log() -> rrb.TextLogView:

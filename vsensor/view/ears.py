@@ -2,18 +2,20 @@
 
 import time
 from collections.abc import Callable, Iterator
-from itertools import islice
 from typing import Self
 
 import zenoh
 
-from vsensor.bus import INBOX_CAPACITY, Feed, open_session
+from vsensor.bus import Feed, open_session
 from vsensor.config import Bus
 from vsensor.errors import BusError
 from vsensor.messages import SENSOR_ALIVE, Message
 from vsensor.view.place import ViewError
+from vsensor.view.stream import TOPICS
 
 RETRY_S = 1.0
+CAPACITY = 4096
+"""So many of each may wait: 40 s of ticks at 100 Hz. A view that is further behind drops the oldest."""
 
 
 class Ears:
@@ -39,12 +41,12 @@ class Ears:
             self._session.close()  # type: ignore[no-untyped-call]
 
     def drain(self) -> Iterator[Message]:
-        """Yield what has come since the last call; never waits, and takes at most an inbox of a flood."""
+        """Yield what has come since the last call; never waits, and takes at most what may wait."""
         if self._feed is None and time.monotonic() >= self._next_try:
             self._next_try = time.monotonic() + RETRY_S
             self._listen()
         if self._feed is not None:
-            for _, message in islice(self._feed.drain(), INBOX_CAPACITY):
+            for _, message in self._feed.drain():
                 yield message
 
     def _listen(self) -> None:
@@ -57,7 +59,7 @@ class Ears:
         if prefix is None:
             self._say_once("no sensor is alive on the bus yet; waiting for one")
             return
-        self._feed = Feed(self._session, prefix)
+        self._feed = Feed(self._session, prefix, TOPICS, CAPACITY)
         self._say_once(f"listening to {prefix}")
 
     def _living_rig(self, session: zenoh.Session) -> str | None:

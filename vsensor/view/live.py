@@ -1,10 +1,12 @@
 """The view's loop: what comes over the bus goes to the screen, ten times a second."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import nullcontext
 
+from vsensor.messages import Message, Tick
 from vsensor.view.ears import Ears
+from vsensor.view.part import Every
 from vsensor.view.place import Place
 from vsensor.view.screen import Screen
 from vsensor.view.stream import Stream
@@ -18,44 +20,75 @@ SILENCE_S = 3.0
 """Status comes each second: after this, it does not come."""
 
 
-class Live:
-    """One view at work. `new_stream` makes an empty stream, for the start and whenever time falls back."""
+class Show:
+    """A stream on a screen. `new_stream` makes an empty one, for the start and whenever time falls back."""
 
-    def __init__(self, ears: Ears, screen: Screen, new_stream: Callable[[], Stream]) -> None:
-        self._ears = ears
+    def __init__(self, screen: Screen, new_stream: Callable[[], Stream]) -> None:
         self._screen = screen
         self._new_stream = new_stream
-        self._stream = new_stream()
+        self.stream = new_stream()
+
+    def take(self, message: Message) -> None:
+        """Take in one message."""
+        if self.stream.falls_back(message):
+            self.send()
+            self._screen.begin()
+            self.stream = self._new_stream()
+        self.stream.take(message)
+
+    def send(self) -> None:
+        """Show what has come since the last call."""
+        if self.stream.reach:
+            self._screen.fit(self.stream.reach)
+        self._screen.send(self.stream.batches())
+
+    def fill(self, messages: Iterable[Message]) -> None:
+        """Show a whole session, second by second of its own time."""
+        second = Every(1_000_000_000)
+        for message in messages:
+            self.take(message)
+            if isinstance(message, Tick) and second.due(message.time_ns):
+                self.send()
+        self.send()
+
+
+class Live:
+    """One view at work."""
+
+    def __init__(self, ears: Ears, show: Show) -> None:
+        self._ears = ears
+        self._show = show
         self._heard = self._told = time.monotonic()
 
     def turn(self) -> None:
         """Show what has come since the last turn."""
+        waited = 0
         for message in self._ears.drain():
             self._heard = time.monotonic()
-            if self._stream.falls_back(message):
-                self._screen.send(self._stream.batches())
-                self._screen.begin()
-                self._stream = self._new_stream()
-            self._stream.take(message)
+            self._show.take(message)
+            waited += 1
+        self._show.stream.waited(waited)
         self._tell_silence()
-        self._screen.send(self._stream.batches())
+        self._show.send()
 
     def _tell_silence(self) -> None:
         now = time.monotonic()
         if now - self._heard >= SILENCE_S and now - self._told >= 1.0:
             self._told = now
-            self._stream.silent(now - self._heard, time.time_ns())
+            self._show.stream.silent(now - self._heard, time.time_ns())
 
 
-def show(live: Live, place: Place, stopped: Callable[[], bool], say: Callable[[str], None]) -> None:
-    """Open the viewer and let the view run until `stopped` says so, or the window is closed.
+def run(
+    turn: Callable[[], None], place: Place, stopped: Callable[[], bool], say: Callable[[str], None]
+) -> None:
+    """Open the viewer and `turn` until `stopped` says so, or the window is closed.
 
     A viewer that dies otherwise is spoken of once, and is not our end: the data are still served.
     """
     with nullcontext() if place.kind == "file" else Viewer(place) as viewer:
         watched = viewer
         while not stopped():
-            live.turn()
+            turn()
             status = watched.ended() if watched else None
             if status == 0:
                 say("the window was closed")
@@ -67,4 +100,4 @@ def show(live: Live, place: Place, stopped: Callable[[], bool], say: Callable[[s
                     f"rerun --connect {place.source}, or begin again with --web"
                 )
             time.sleep(PERIOD_S if viewer else FILE_PERIOD_S)
-        live.turn()
+        turn()

@@ -1,5 +1,6 @@
 """Where the view is shown: a window, a page for the browser, or only a file."""
 
+import ipaddress
 import os
 import socket
 import sys
@@ -11,13 +12,13 @@ from urllib.parse import quote
 
 from vsensor.errors import VsensorError
 
-HOST = "127.0.0.1"
+LOOPBACK = "127.0.0.1"
 DATA_PORT = 9876
 PAGE_PORT = 9090
 
 
 class ViewError(VsensorError):
-    """The view cannot be shown or saved as asked; the message names the port or the file."""
+    """The view cannot be shown or saved as asked; the message names the port, the address or the file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,16 +29,30 @@ class Place:
     data_port: int = DATA_PORT
     page_port: int = PAGE_PORT
     save: Path | None = None
+    bind: str = LOOPBACK
+
+    @property
+    def host(self) -> str:
+        """How this machine is reached by those who look: by name where it is bound to all its addresses."""
+        address = ipaddress.ip_address(self.bind)
+        if address.is_unspecified:
+            return socket.gethostname()
+        return f"[{self.bind}]" if address.version == 6 else self.bind
 
     @property
     def source(self) -> str:
         """The address that viewers draw from."""
-        return f"rerun+http://{HOST}:{self.data_port}/proxy"
+        return f"rerun+http://{self.host}:{self.data_port}/proxy"
 
     @property
     def page(self) -> str:
         """The address of the page for a browser."""
-        return f"http://{HOST}:{self.page_port}/?url={quote(self.source, safe='')}"
+        return f"http://{self.host}:{self.page_port}/?url={quote(self.source, safe='')}"
+
+    @property
+    def origins(self) -> list[str]:
+        """Pages besides this machine's own that may draw from the data's server."""
+        return [] if self.bind == LOOPBACK else [f"http://{self.host}:{self.page_port}"]
 
     def words(self) -> str:
         """Where to look."""
@@ -46,8 +61,13 @@ class Place:
             "page": [f"open {self.page}"],
             "file": [],
         }[self.kind]
+        opened = ["whoever reaches this machine can look on"] if self._is_open else []
         written = [f"written to {self.save}"] if self.save else []
-        return "\n".join([*lines, *written, "Ctrl-C ends it"])
+        return "\n".join([*lines, *opened, *written, "Ctrl-C ends it"])
+
+    @property
+    def _is_open(self) -> bool:
+        return self.kind != "file" and not ipaddress.ip_address(self.bind).is_loopback
 
     def numbered(self, count: int) -> Path | None:
         """The file for the so-many-th recording."""
@@ -57,17 +77,24 @@ class Place:
 
 
 def choose(
-    *, web: bool, save: Path | None, page_port: int | None, data_port: int | None, say: Callable[[str], None]
+    *,
+    web: bool,
+    save: Path | None,
+    page_port: int | None,
+    data_port: int | None,
+    bind: str = LOOPBACK,
+    say: Callable[[str], None],
 ) -> Place:
     """The place asked for; a page instead of a window where there is no display. Raises ViewError."""
     if save and not web:
         return Place("file", save=save)
-    data = _port("--data-port", data_port, DATA_PORT)
+    _check(bind)
+    data = _port("--data-port", data_port, DATA_PORT, bind)
     if not web and has_display():
-        return Place("window", data)
+        return Place("window", data, bind=bind)
     if not web:
         say("there is no display for a window here: the view is served for a browser instead")
-    return Place("page", data, _port("--port", page_port, PAGE_PORT), save)
+    return Place("page", data, _port("--port", page_port, PAGE_PORT, bind), save, bind)
 
 
 def has_display() -> bool:
@@ -75,26 +102,41 @@ def has_display() -> bool:
     return sys.platform != "linux" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
-def _port(option: str, asked: int | None, usual: int) -> int:
+def _check(bind: str) -> None:
+    try:
+        with _probe(bind) as probe:
+            probe.bind((bind, 0))
+    except (ValueError, OSError) as error:
+        raise ViewError(
+            f"--bind {bind}: is no address of this machine: write one such as 10.1.2.3, or 0.0.0.0 for all "
+            f"of them, or leave it out for this machine alone ({LOOPBACK})"
+        ) from error
+
+
+def _port(option: str, asked: int | None, usual: int, bind: str) -> int:
     """The port asked for, which must be free; else the usual one, or where that is taken any other."""
     if asked is None:
-        return usual if _is_free(usual) else _any_free()
-    if not _is_free(asked):
+        return usual if _is_free(usual, bind) else _any_free(bind)
+    if not _is_free(asked, bind):
         raise ViewError(f"{option} {asked}: is taken by another program: name another, or leave it out")
     return asked
 
 
-def _is_free(port: int) -> bool:
-    with socket.socket() as probe:
+def _is_free(port: int, bind: str) -> bool:
+    with _probe(bind) as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            probe.bind((HOST, port))
+            probe.bind((bind, port))
         except OSError:
             return False
         return True
 
 
-def _any_free() -> int:
-    with socket.socket() as probe:
-        probe.bind((HOST, 0))
+def _any_free(bind: str) -> int:
+    with _probe(bind) as probe:
+        probe.bind((bind, 0))
         return int(probe.getsockname()[1])
+
+
+def _probe(bind: str) -> socket.socket:
+    return socket.socket(socket.AF_INET6 if ipaddress.ip_address(bind).version == 6 else socket.AF_INET)

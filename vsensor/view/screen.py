@@ -1,17 +1,22 @@
 """The Rerun recording of the view, and where it goes."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Self
 
 import rerun as rr
 import rerun.blueprint as rrb
 
 from vsensor.view.batches import Batch
-from vsensor.view.place import HOST, Place, ViewError
+from vsensor.view.blueprint import USUAL, Reach
+from vsensor.view.place import Place, ViewError
 from vsensor.view.recording import send
 
-_SERVER_MEMORY = "256MB"
-"""What a viewer that comes late or again is told: some twenty minutes; the oldest is forgotten first."""
+_LIVE_MEMORY = "256MB"
+"""What a viewer that comes late or again is told: half an hour or more; the oldest is forgotten first."""
+_SESSION_MEMORY = "50%"
+"""The same of a recorded session, which is to be seen whole."""
+_SETTLED_S = 0.1
+"""The layout is made anew where the reach of the answers has changed by more."""
 
 
 class Screen:
@@ -21,10 +26,14 @@ class Screen:
     (the server drops it after some 20 s, measured), and one that died is opened again on all that was.
     """
 
-    def __init__(self, name: str, layout: rrb.Blueprint, place: Place) -> None:
+    def __init__(
+        self, name: str, layout: Callable[[Reach], rrb.Blueprint], place: Place, *, live: bool = True
+    ) -> None:
         self._name = name
         self._layout = layout
         self._place = place
+        self._live = live
+        self._reach = USUAL
         self._recordings: list[rr.RecordingStream] = []
         self._count = 0
 
@@ -39,7 +48,13 @@ class Screen:
     def send(self, batches: Iterable[Batch]) -> None:
         """Show what has come."""
         for batch in batches:
-            send(self._recordings[-1], batch)
+            send(batch, self._recordings[-1])
+
+    def fit(self, reach: Reach) -> None:
+        """Lay the plots out for answers of this reach."""
+        if max(abs(new - old) for new, old in zip(reach, self._reach, strict=True)) > _SETTLED_S:
+            self._reach = reach
+            self._recordings[-1].send_blueprint(self._layout(reach))
 
     def begin(self) -> None:
         """Begin a recording; another one when time falls back, for on one timeline it must not.
@@ -55,7 +70,7 @@ class Screen:
         except RuntimeError as error:
             raise ViewError(f"--save {self._place.save}: {error}") from error
         recording.send_recording_name(self._name)
-        recording.send_blueprint(self._layout)
+        recording.send_blueprint(self._layout(self._reach))
         self._recordings.append(recording)
 
     def _sinks(self) -> list[rr.GrpcServerSink | rr.GrpcSink | rr.FileSink]:
@@ -63,8 +78,15 @@ class Screen:
         if self._place.kind != "file":
             sinks.append(self._server() if self._count == 1 else rr.GrpcSink(self._place.source))
         if path := self._place.numbered(self._count):
-            sinks.append(rr.FileSink(path))
+            # A footer, an index, needs memory for each batch as long as the file is written.
+            sinks.append(rr.FileSink(path, write_footer=not self._live))
         return sinks
 
     def _server(self) -> rr.GrpcServerSink:
-        return rr.GrpcServerSink(HOST, self._place.data_port, server_memory_limit=_SERVER_MEMORY)
+        return rr.GrpcServerSink(
+            self._place.bind,
+            self._place.data_port,
+            server_memory_limit=_LIVE_MEMORY if self._live else _SESSION_MEMORY,
+            newest_first=True,
+            cors_allow_origin=self._place.origins,
+        )

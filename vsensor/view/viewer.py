@@ -1,11 +1,12 @@
 """Rerun's viewer as a process of its own."""
 
 import os
+import shutil
 import subprocess
 from importlib import resources
 from typing import Self
 
-from vsensor.view.place import HOST, Place
+from vsensor.view.place import Place
 
 # Rerun's program sends usage statistics to its makers; a rig's network is no place for that, and its
 # switch for CI is the one that works without touching the user's settings.
@@ -26,8 +27,9 @@ class Viewer:
             what = ["--connect", place.source, "--memory-limit", _MEMORY_LIMIT, "--hide-welcome-screen"]
         else:
             what = [place.source, "--serve-web", "--web-viewer-port", str(place.page_port)]
+        program = str(resources.files("rerun_cli") / "rerun")
         self._process = subprocess.Popen(
-            [str(resources.files("rerun_cli") / "rerun"), "--bind", HOST, *what],
+            [*_ending_with_us(), program, "--bind", place.bind, *what],
             env=os.environ | _ENVIRONMENT,
             stdin=subprocess.DEVNULL,
             start_new_session=True,
@@ -47,3 +49,9 @@ class Viewer:
     def ended(self) -> int | None:
         """The exit status once it has ended; 0 where its window was closed."""
         return self._process.poll()
+
+
+def _ending_with_us() -> list[str]:
+    """What makes Linux end the viewer even where we are killed and cannot (prctl(2), PR_SET_PDEATHSIG)."""
+    setpriv = shutil.which("setpriv")
+    return [setpriv, "--pdeathsig", "TERM"] if setpriv else []

@@ -1,36 +1,61 @@
-"""What the driller reads: the panel in large plain words, and the tables of losses. Markdown."""
+"""What is read rather than seen: answers with their deviations, events, tables of losses. Markdown."""
 
 import math
+import time
+from collections.abc import Callable
 
-from vsensor.messages import ChannelStatus, Estimate, Status
-from vsensor.quality import Quality, Reason
+from vsensor.messages import ChannelStatus, Estimate, Event, Status
 from vsensor.view.readings import Reading, reading
+from vsensor.view.units import Units
 
 _WELCOME = ("received", "accepted")
 _COUNTS = [field.name for field in ChannelStatus.DESCRIPTOR.fields if field.type == field.TYPE_FIXED64]
 _REFUSALS = [name for name in _COUNTS if name not in _WELCOME]
 
 
-def panel(estimate: Estimate, status: Status) -> str:
-    """The bit now, how rough it runs, and how far this can be trusted."""
-    return "\n\n".join(
-        [
-            f"# {_bit(estimate, status)}",
-            f"# {_severity(status)}",
-            _answers(estimate, status),
-            f"Sensor **{status.state}**, estimate **{_quality(estimate)}**",
-            _formula(status),
-        ]
+def answers(estimate: Estimate, status: Status, units: Units) -> str:
+    """The three answers with their deviations, and what severity means."""
+    rows = [
+        ["now", *_pairs(reading(estimate, "now", units), units)],
+        [f"{status.confirmed_delay_s:.1f} s ago", *_pairs(reading(estimate, "confirmed", units), units)],
+        [f"in {status.forecast_horizon_s:.1f} s", *_pairs(reading(estimate, "forecast", units), units)],
+    ]
+    return "\n\n".join([_table(["", "speed ± 2σ", "torque ± 2σ"], rows), *_swing(status), _formula(status)])
+
+
+def _swing(status: Status) -> list[str]:
+    if not status.HasField("stick_slip_period_s"):
+        return []
+    stuck = f", stuck {status.stuck_share:.0%} of the time" if status.stuck_share else ""
+    return [f"It swings with a period of **{status.stick_slip_period_s:.1f} s**{stuck}."]
+
+
+def _formula(status: Status) -> str:
+    return (
+        f"Severity = (max − min) / (2 mean) of the bit's speed over {status.severity_window_s:.0f} s: "
+        "smooth below 0.5, stick-slip from 1 on, where the bit comes to a stand."
     )
 
 
 def silence(seconds: float) -> str:
-    """The panel when no message comes."""
+    """What is said when no message comes."""
     return (
         f"# No word for {seconds:.0f} s\n\n"
         "Nothing comes from the sensor: the daemon (vsensor run) is not up, or the way to it is cut. "
         "What is drawn here is old."
     )
+
+
+def told(event: Event) -> tuple[str, str]:
+    """An event as a line of the log: its level, and its words with the time of day."""
+    name = event.name.replace("_", " ")
+    level = "WARN" if event.begins else "INFO"
+    return level, f"{clock(event.time_ns)} {name if event.begins else f'{name} ends'}: {event.text}"
+
+
+def clock(time_ns: int) -> str:
+    """The time of day, as the plots tell it (UTC)."""
+    return time.strftime("%H:%M:%S", time.gmtime(time_ns // 1_000_000_000))
 
 
 def health(status: Status, missed: int) -> str:
@@ -63,65 +88,18 @@ def health(status: Status, missed: int) -> str:
     )
 
 
-def _bit(estimate: Estimate, status: Status) -> str:
-    now = reading(estimate, "now")
-    if _grade(estimate) in (None, Quality.BAD) or math.isnan(now.speed):
-        return f"Bit not known: {status.state or 'no status yet'}"
-    return f"Bit {now.speed:.0f} rpm, {now.torque:.1f} kN·m"
-
-
-def _severity(status: Status) -> str:
-    """The severity in words. From 1 on the bit comes to a stand; half of that is our own bound."""
-    if not status.HasField("severity"):
-        return "Stick-slip not known yet"
-    if status.severity >= 1.0:
-        return f"STICK-SLIP, severity {status.severity:.2f}"
-    return f"{'Uneven' if status.severity >= 0.5 else 'Smooth'}, severity {status.severity:.2f}"
-
-
-def _formula(status: Status) -> str:
+def _pairs(found: Reading, units: Units) -> tuple[str, str]:
     return (
-        f"Severity = (max − min) / (2 mean) of the bit's speed over {status.severity_window_s:.0f} s: "
-        "smooth below 0.5, stick-slip from 1 on, where the bit comes to a stand."
+        _pair(found.speed, found.speed_std, units.speed_text, units.speed),
+        _pair(found.torque, found.torque_std, units.torque_text, units.torque),
     )
 
 
-def _answers(estimate: Estimate, status: Status) -> str:
-    return _table(
-        ["", "speed ± 2σ", "torque ± 2σ"],
-        [
-            ["now", *_pairs(reading(estimate, "now"))],
-            [f"{status.confirmed_delay_s:.1f} s ago", *_pairs(reading(estimate, "confirmed"))],
-            [f"in {status.forecast_horizon_s:.1f} s", *_pairs(reading(estimate, "forecast"))],
-        ],
-    )
-
-
-def _pairs(found: Reading) -> tuple[str, str]:
-    return (
-        _pair(found.speed, found.speed_std, 0, "rpm"),
-        _pair(found.torque, found.torque_std, 1, "kN·m"),
-    )
-
-
-def _pair(value: float, deviation: float, digits: int, unit: str) -> str:
+def _pair(value: float, deviation: float, text: Callable[[float], str], unit: str) -> str:
     if math.isnan(value):
         return "not known"
-    band = "" if math.isnan(deviation) else f" ± {2 * deviation:.{digits}f}"
-    return f"{value:.{digits}f}{band} {unit}"
-
-
-def _quality(estimate: Estimate) -> str:
-    grade = _grade(estimate)
-    if grade is None:
-        return "not known"
-    reasons = Reason(estimate.reasons).words()
-    return grade.name.lower() + (f" ({reasons})" if reasons else "")
-
-
-def _grade(estimate: Estimate) -> Quality | None:
-    """None where there is no verdict yet, or one that a newer daemon has and we do not know."""
-    return next((grade for grade in Quality if int(grade) == int(estimate.quality)), None)
+    band = "" if math.isnan(deviation) else f" ± {text(2 * deviation)}"
+    return f"{text(value)}{band} {unit}"
 
 
 def _channel_row(name: str, status: Status) -> list[str]:

@@ -1,0 +1,42 @@
+"""What the stream is made of: parts that each hear the messages and draw one thing."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+
+from vsensor.messages import Message
+from vsensor.view.batches import Batch
+
+
+class Part(ABC):
+    """One thing that is drawn."""
+
+    at_ns = 0
+    """The newest time of the source's clock."""
+
+    def hear(self, message: Message, at_ns: int) -> None:
+        """Take in one message at a time; those that do not concern it are passed over."""
+        self.at_ns = at_ns
+        self.take(message)
+
+    @abstractmethod
+    def take(self, message: Message) -> None:
+        """Take in one message."""
+
+    @abstractmethod
+    def batches(self) -> Iterator[Batch]:
+        """Hand over what there is to draw since the last call."""
+
+
+class Every:
+    """Says when something is due again, on the source's clock."""
+
+    def __init__(self, period_ns: int) -> None:
+        self._period_ns = period_ns
+        self._next_ns: int | None = None
+
+    def due(self, at_ns: int) -> bool:
+        """Whether the period is over; if so, the next begins."""
+        if self._next_ns is not None and at_ns < self._next_ns:
+            return False
+        self._next_ns = at_ns + self._period_ns
+        return True
