@@ -7,7 +7,7 @@ from vsensor.messages import Estimate, Event, Message, Profile, Status
 from vsensor.messages.vsensor_pb2 import BAD, UNCERTAIN
 from vsensor.quality import Reason
 from vsensor.view.batches import Lane, LaneLook
-from vsensor.view.states import MOMENTARY, States
+from vsensor.view.states import States
 from vsensor.view.verdicts import Grade, Verdict, bit_state, roughness, strength, trust
 
 
@@ -122,6 +122,6 @@ def test_an_event_is_drawn_from_its_begin_to_its_end() -> None:
     assert seen["/service/event/stuck"] == [(BEGUN_NS, "stuck"), (BEGUN_NS + 1_500_000_000, "")]
 
 
-@pytest.mark.parametrize("name", MOMENTARY)
+@pytest.mark.parametrize("name", ["stick_foretold", "string_changed", "self_tuning", "command", "new"])
 def test_an_event_that_never_ends_is_no_state(name: str) -> None:
     assert lanes(Event(time_ns=BEGUN_NS, name=name, begins=True, text="x")) == {}

@@ -9,8 +9,17 @@ from vsensor.view.palette import BLUE, GREEN, GREY, ORANGE, PINK, VERMILION, YEL
 from vsensor.view.part import Part
 from vsensor.view.verdicts import Verdict, bit_state, roughness, strength, trust
 
-MOMENTARY = ("stick_foretold", "string_changed", "self_tuning", "command")
-"""Events that are over as soon as they are told: they are in the log alone."""
+CONDITIONS: Mapping[str, Colour] = {
+    "input_lost": VERMILION,
+    "stuck": VERMILION,
+    "stick_slip": VERMILION,
+    "over_torque": VERMILION,
+    "depths_at_odds": YELLOW,
+    "off_bottom": BLUE,
+    "connection": BLUE,
+    "recording": GREEN,
+}
+"""Events that last until they end; others are over as soon as they are told, and in the log alone."""
 AGREED = 3
 """A stick that is foretold or not by so many ticks one after the other is drawn so."""
 
@@ -53,7 +62,7 @@ class States(Part):
             case Status():
                 self._show(series.ROUGHNESS, self.at_ns, roughness(message))
                 self._show_text(SENSOR, self.at_ns, message.state)
-            case Event() if message.name not in MOMENTARY:
+            case Event() if message.name in CONDITIONS:
                 self._take_event(message)
 
     def batches(self) -> Iterator[Batch]:
@@ -85,7 +94,7 @@ class States(Part):
         name = event.name.replace("_", " ")
         entity = f"{series.SERVICE_STATES}/event/{event.name}"
         if entity not in self._shown:
-            self._out.append(LaneLook(entity, {name: VERMILION}))
+            self._out.append(LaneLook(entity, {name: CONDITIONS[event.name]}))
         self._show_text(entity, event.time_ns, name if event.begins else "")
 
     def _show(self, entity: str, time_ns: int, verdict: Verdict) -> None:
