@@ -155,7 +155,7 @@ def test_a_state_that_does_not_fit_is_refused(
 
 @given(st.sampled_from(sorted(_TYPES)), st.binary())
 def test_any_message_can_be_shown(topic: str, data: bytes) -> None:
-    stream = Stream(1.0, 1.0)
+    stream = Stream()
     try:
         message: Message = _TYPES[topic].FromString(data)
     except DecodeError:

@@ -26,6 +26,7 @@ from vsensor.view.journal import Journal
 from vsensor.view.part import Part
 from vsensor.view.plots import Drive, Plots
 from vsensor.view.service import Service
+from vsensor.view.sound import sound
 from vsensor.view.states import States
 from vsensor.view.units import Units
 
@@ -77,7 +78,9 @@ class Stream:
         return isinstance(message, Tick) and message.time_ns < self._newest_ns - FAR_BACK_NS
 
     def take(self, message: Message) -> None:
-        """Take in one message. Samples are passed over: the tick holds them as they were used."""
+        """Take in one message; one that makes no sense is passed over."""
+        if not sound(message):
+            return
         if isinstance(message, Tick):
             self._newest_ns = message.time_ns
         elif isinstance(message, Status):
