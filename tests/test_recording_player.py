@@ -4,12 +4,16 @@ import math
 from collections.abc import Callable, Iterable
 from itertools import pairwise
 from pathlib import Path
+from typing import cast
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from vsensor.errors import InputError
-from vsensor.messages import BIT_SPEED, SURFACE_SPEED, SURFACE_TORQUE, Sample
-from vsensor.recording.player import Command, play
+from vsensor.messages import BIT_SPEED, SURFACE_SPEED, SURFACE_TORQUE, Message, Sample
+from vsensor.recording.course import Course
+from vsensor.recording.player import Command, Progress, play
 from vsensor.recording.reader import Session
 from vsensor.recording.writer import SessionWriter
 
@@ -41,7 +45,8 @@ class Listener:
         self.samples: list[Sample] = []
         self.times_ns: list[int] = []
 
-    def put(self, topic: str, sample: Sample) -> None:
+    def put(self, topic: str, message: Message) -> None:
+        sample = cast("Sample", message)
         self.topics.append(topic)
         self.samples.append(sample)
         self.times_ns.append(self._clock.time_ns)
@@ -59,7 +64,7 @@ def session_of(
     path: Path,
     times_ms: Iterable[float],
     arrivals_ms: Iterable[float] | None = None,
-    start_ns: int = 5 * SECOND,
+    sync_each: int = 1 << 30,
 ) -> Session:
     start_ns = 5 * SECOND
     times = [start_ns + round(time * MS) for time in times_ms]
@@ -69,6 +74,8 @@ def session_of(
             sample = Sample(time_ns=time_ns, value=number, sequence=100 + number)
             writer.write(SURFACE_TORQUE, sample.SerializeToString(), arrival_ns, time_ns)
             writer.write(BIT_SPEED, sample.SerializeToString(), arrival_ns, time_ns)
+            if number % sync_each == 0:
+                writer.sync()
     return Session(path)
 
 
@@ -88,7 +95,7 @@ def after(clock: FakeClock, script: dict[int, Command]) -> Callable[[], Command 
 def test_samples_come_at_the_spacing_of_their_own_times(tmp_path: Path) -> None:
     clock = FakeClock()
     listener = Listener(clock)
-    count = play(session_of(tmp_path / "a.mcap", [0, 10, 20, 1020]), listener.put, clock=clock)
+    count = play(Course([session_of(tmp_path / "a.mcap", [0, 10, 20, 1020])]), listener.put, clock=clock)
     assert count == 4
     assert listener.after_ns == [0, 10 * MS, 20 * MS, 1020 * MS]
     assert listener.stamps_ms() == [5000, 5010, 5020, 6020]
@@ -100,7 +107,7 @@ def test_oversleeping_and_work_never_add_up(tmp_path: Path, speed: float) -> Non
     clock = FakeClock(overshoot_ns=300_000)
     listener = Listener(clock, work_ns=100_000)
     session = session_of(tmp_path / "a.mcap", [10 * n for n in range(500)])
-    play(session, listener.put, clock=clock, speed=speed)
+    play(Course([session]), listener.put, clock=clock, speed=speed)
     start_ns = listener.times_ns[0]
     for number, time_ns in enumerate(listener.times_ns[1:], 1):
         late_ns = time_ns - start_ns - 10 * MS * number / speed
@@ -111,12 +118,12 @@ def test_what_is_late_goes_out_at_once(tmp_path: Path) -> None:
     clock = FakeClock()
     listener = Listener(clock)
 
-    def put(topic: str, sample: Sample) -> None:
+    def put(topic: str, sample: Message) -> None:
         listener.put(topic, sample)
         if len(listener.samples) == 2:
             clock.time_ns += 35 * MS  # the bus held us up
 
-    play(session_of(tmp_path / "a.mcap", [0, 10, 20, 30, 40, 50, 60]), put, clock=clock)
+    play(Course([session_of(tmp_path / "a.mcap", [0, 10, 20, 30, 40, 50, 60])]), put, clock=clock)
     assert listener.after_ns == [0, 10 * MS, 45 * MS, 45 * MS, 45 * MS, 50 * MS, 60 * MS]
 
 
@@ -124,7 +131,7 @@ def test_samples_out_of_order_stay_so(tmp_path: Path) -> None:
     clock = FakeClock()
     listener = Listener(clock)
     session = session_of(tmp_path / "a.mcap", [0, 20, 10, 30], arrivals_ms=[0, 20, 21, 30])
-    play(session, listener.put, clock=clock)
+    play(Course([session]), listener.put, clock=clock)
     assert listener.stamps_ms() == [5000, 5020, 5010, 5030]
     assert listener.after_ns == [0, 20 * MS, 20 * MS, 30 * MS]
 
@@ -133,7 +140,7 @@ def test_one_wild_stamp_does_not_hold_the_player_up(tmp_path: Path) -> None:
     clock = FakeClock()
     listener = Listener(clock)
     session = session_of(tmp_path / "a.mcap", [0, 10, 1e12, 30, 40], arrivals_ms=[0, 10, 20, 30, 40])
-    play(session, listener.put, clock=clock)
+    play(Course([session]), listener.put, clock=clock)
     assert listener.after_ns == [0, 10 * MS, 20 * MS, 30 * MS, 40 * MS]
 
 
@@ -141,7 +148,7 @@ def test_start_and_duration_pick_a_piece(tmp_path: Path) -> None:
     clock = FakeClock()
     listener = Listener(clock)
     session = session_of(tmp_path / "a.mcap", [10 * n for n in range(300)])
-    count = play(session, listener.put, clock=clock, start_s=1.0, duration_s=0.5)
+    count = play(Course([session]), listener.put, clock=clock, start_s=1.0, end_s=1.5)
     assert count == 50
     assert listener.stamps_ms()[0] == 6000
     assert listener.after_ns[-1] == 490 * MS
@@ -151,15 +158,15 @@ def test_start_and_duration_pick_a_piece(tmp_path: Path) -> None:
 def test_nothing_to_play_is_an_error(tmp_path: Path, start_s: float) -> None:
     clock = FakeClock()
     session = session_of(tmp_path / "a.mcap", [0, 10])
-    with pytest.raises(InputError, match=r"a\.mcap: holds no surface/torque and no surface/speed between"):
-        play(session, Listener(clock).put, clock=clock, start_s=start_s)
+    with pytest.raises(InputError, match=r"a\.mcap: holds none of surface/torque, surface/speed, .* between"):
+        play(Course([session]), Listener(clock).put, clock=clock, start_s=start_s)
 
 
 def test_present_stamps_keep_their_spacing(tmp_path: Path) -> None:
     clock = FakeClock()
     listener = Listener(clock)
     session = session_of(tmp_path / "a.mcap", [0, 10, 25])
-    play(session, listener.put, clock=clock, speed=5.0, first_time_ns=10**18)
+    play(Course([session]), listener.put, clock=clock, speed=5.0, stamp=lambda: 10**18)
     assert [sample.time_ns - 10**18 for sample in listener.samples] == [0, 10 * MS, 25 * MS]
 
 
@@ -167,7 +174,9 @@ def test_a_loop_runs_on_in_time_and_sequence(tmp_path: Path) -> None:
     clock = FakeClock()
     listener = Listener(clock)
     session = session_of(tmp_path / "a.mcap", [0, 10, 20])
-    count = play(session, listener.put, clock=clock, loop=True, command=after(clock, {95 * MS: Command.QUIT}))
+    count = play(
+        Course([session]), listener.put, clock=clock, loop=True, command=after(clock, {95 * MS: Command.QUIT})
+    )
     assert count == 10
     assert listener.after_ns == [10 * MS * n for n in range(10)]
     assert listener.stamps_ms() == [5000 + 10 * n for n in range(10)]
@@ -179,7 +188,7 @@ def test_a_looped_piece_never_turns_time_back(tmp_path: Path) -> None:
     listener = Listener(clock)
     session = session_of(tmp_path / "a.mcap", [0, 10, 20, 33, 41, 60])
     stop = after(clock, {SECOND: Command.QUIT})
-    play(session, listener.put, clock=clock, loop=True, start_s=0.01, duration_s=0.04, command=stop)
+    play(Course([session]), listener.put, clock=clock, loop=True, start_s=0.01, end_s=0.05, command=stop)
     assert len(listener.samples) > 50
     assert all(one < other for one, other in pairwise(listener.stamps_ms()))
     assert all(one < other for one, other in pairwise(listener.after_ns))
@@ -190,7 +199,7 @@ def test_a_pause_holds_and_the_rest_keeps_its_spacing(tmp_path: Path) -> None:
     listener = Listener(clock)
     session = session_of(tmp_path / "a.mcap", [0, 1000, 2000, 3000])
     script = {1200 * MS: Command.PAUSE, 5200 * MS: Command.PAUSE}
-    play(session, listener.put, clock=clock, command=after(clock, script))
+    play(Course([session]), listener.put, clock=clock, command=after(clock, script))
     assert listener.after_ns == [0, SECOND, 6 * SECOND, 7 * SECOND]
 
 
@@ -204,7 +213,7 @@ def test_paused_each_step_gives_one_sample(tmp_path: Path) -> None:
         600 * MS: Command.STEP,
         10 * SECOND: Command.PAUSE,
     }
-    play(session, listener.put, clock=clock, command=after(clock, script))
+    play(Course([session]), listener.put, clock=clock, command=after(clock, script))
     assert listener.after_ns == [0, 500 * MS, 600 * MS, 11 * SECOND, 12 * SECOND]
 
 
@@ -212,8 +221,123 @@ def test_a_step_while_playing_does_nothing(tmp_path: Path) -> None:
     clock = FakeClock()
     listener = Listener(clock)
     session = session_of(tmp_path / "a.mcap", [0, 1000])
-    play(session, listener.put, clock=clock, command=after(clock, {100 * MS: Command.STEP}))
+    play(Course([session]), listener.put, clock=clock, command=after(clock, {100 * MS: Command.STEP}))
     assert listener.after_ns == [0, SECOND]
+
+
+def test_seeking_goes_on_from_there_at_once_and_ends_stay_ends(tmp_path: Path) -> None:
+    clock = FakeClock()
+    listener = Listener(clock)
+    session = session_of(tmp_path / "a.mcap", [1000 * n for n in range(100)])
+    script = {
+        5500 * MS: Command.FORWARD,
+        6100 * MS: Command.FAR_FORWARD,
+        7100 * MS: Command.FAR_BACK,
+        8100 * MS: Command.FAR_BACK,
+        9100 * MS: Command.QUIT,
+    }
+    play(Course([session]), listener.put, clock=clock, command=after(clock, script))
+    played = [round(stamp / 1000) - 5 for stamp in listener.stamps_ms()]
+    assert played == [0, 1, 2, 3, 4, 5, 16, 77, 18, 0]
+    assert listener.after_ns[5:8] == [5 * SECOND, 6 * SECOND, 7 * SECOND]
+
+
+def test_sought_while_paused_it_stays_paused(tmp_path: Path) -> None:
+    clock = FakeClock()
+    listener = Listener(clock)
+    session = session_of(tmp_path / "a.mcap", [1000 * n for n in range(100)])
+    script = {
+        1500 * MS: Command.PAUSE,
+        2000 * MS: Command.FORWARD,
+        9000 * MS: Command.STEP,
+        9500 * MS: Command.QUIT,
+    }
+    seen: list[Progress] = []
+    count = play(Course([session]), listener.put, clock=clock, command=after(clock, script), show=seen.append)
+    assert count == 3
+    assert listener.stamps_ms()[-1] == 17_000
+    assert listener.after_ns[-1] == 9 * SECOND
+    assert seen[-1] == Progress(pytest.approx(12.0), 3, True)  # type: ignore[arg-type]
+
+
+def test_beyond_the_end_there_is_nothing_more(tmp_path: Path) -> None:
+    clock = FakeClock()
+    listener = Listener(clock)
+    session = session_of(tmp_path / "a.mcap", [1000 * n for n in range(30)])
+    play(Course([session]), listener.put, clock=clock, command=after(clock, {100: Command.FAR_FORWARD}))
+    assert [round(stamp / 1000) - 5 for stamp in listener.stamps_ms()] == [0, 29]
+
+
+def test_as_fast_as_it_goes_never_waits_but_obeys(tmp_path: Path) -> None:
+    clock = FakeClock()
+    listener = Listener(clock, work_ns=1000)
+    session = session_of(tmp_path / "a.mcap", [1000 * n for n in range(1000)])
+    assert play(Course([session]), listener.put, clock=clock, speed=math.inf) == 1000
+    assert clock.time_ns - listener.times_ns[0] == 1000 * 1000
+    script = {10_000: Command.PAUSE, 5 * SECOND: Command.PAUSE, 5 * SECOND + 10_000: Command.QUIT}
+    again = Listener(clock, work_ns=1000)
+    count = play(Course([session]), again.put, clock=clock, speed=math.inf, command=after(clock, script))
+    assert 10 < count < 100
+    assert 5 * SECOND <= again.after_ns[-1] < 6 * SECOND
+
+
+def test_present_stamps_stay_present_when_it_is_sought(tmp_path: Path) -> None:
+    clock = FakeClock()
+    listener = Listener(clock)
+    session = session_of(tmp_path / "a.mcap", [1000 * n for n in range(100)])
+    script = {2500 * MS: Command.FORWARD, 4500 * MS: Command.QUIT}
+    play(
+        Course([session]),
+        listener.put,
+        clock=clock,
+        stamp=lambda: clock.time_ns,
+        command=after(clock, script),
+    )
+    assert [stamp - 777_000 for stamp in listener.stamps_ms()] == [0, 1000, 2000, 3000, 4000]
+    assert [sample.sequence - 100 for sample in listener.samples] == [0, 1, 2, 13, 14]
+
+
+def test_sessions_follow_one_another_at_their_gap_or_the_longest_allowed(tmp_path: Path) -> None:
+    clock = FakeClock()
+    listener = Listener(clock)
+    sessions = [
+        session_of(tmp_path / "a.mcap", [0, 1000]),
+        session_of(tmp_path / "b.mcap", [3000, 4000]),
+        session_of(tmp_path / "c.mcap", [3_600_000, 3_601_000]),
+        session_of(tmp_path / "d.mcap", [500, 1500]),
+    ]
+    course = Course(sessions, longest_gap_s=10.0)
+    assert play(course, listener.put, clock=clock) == 8
+    expected = [0, 1, 3, 4, 14, 15, 15, 16]
+    assert [round(time_ns / SECOND, 6) for time_ns in listener.after_ns] == expected
+    assert [leg.gap_s for leg in course.legs] == [0.0, 2.0, 3596.0, -3600.5]
+    assert listener.stamps_ms()[:3] == [5000, 6000, 8000]
+    assert [course.leg(s * SECOND).session.path.name[0] for s in (0, 2.9, 3.1, 14.5, 99)] == [*"aabcd"]
+
+
+def test_other_topics_keep_their_place_between_the_samples(tmp_path: Path) -> None:
+    clock = FakeClock()
+    listener = Listener(clock)
+    session = session_of(tmp_path / "a.mcap", [0, 10, 20], arrivals_ms=[3, 12, 25])
+    course = Course([session], (SURFACE_TORQUE, BIT_SPEED))
+    assert play(course, listener.put, clock=clock) == 6
+    assert listener.topics == [SURFACE_TORQUE, BIT_SPEED] * 3
+    assert listener.after_ns == [0, 0, 10 * MS, 10 * MS, 20 * MS, 20 * MS]
+
+
+@given(st.lists(st.integers(0, 4000), min_size=2, max_size=60), st.floats(0, 70), st.floats(0, 70))
+@settings(max_examples=30)
+def test_what_is_read_from_the_middle_is_what_lies_there(
+    tmp_path_factory: pytest.TempPathFactory, steps: list[int], start_s: float, more_s: float
+) -> None:
+    times = [sum(steps[:n]) for n in range(len(steps))]
+    session = session_of(tmp_path_factory.mktemp("middle") / "a.mcap", times, sync_each=3)
+    course = Course([session])
+    everything = list(course.between(0, math.inf))
+    start_ns, end_ns = start_s * SECOND, (start_s + more_s) * SECOND
+    wanted = [placed for placed in everything if start_ns <= placed.position_ns < end_ns]
+    assert list(course.between(start_ns, end_ns)) == wanted
+    assert [placed.position_ns for placed in everything] == [time * MS for time in times]
 
 
 def test_quitting_ends_a_long_wait_soon(tmp_path: Path) -> None:
@@ -221,7 +345,7 @@ def test_quitting_ends_a_long_wait_soon(tmp_path: Path) -> None:
     listener = Listener(clock)
     session = session_of(tmp_path / "a.mcap", [0, 3_600_000])
     start_ns = clock.time_ns
-    count = play(session, listener.put, clock=clock, command=after(clock, {SECOND: Command.QUIT}))
+    count = play(Course([session]), listener.put, clock=clock, command=after(clock, {SECOND: Command.QUIT}))
     assert count == 1
     assert clock.time_ns - start_ns < 1.1 * SECOND
 
@@ -232,6 +356,6 @@ def test_both_channels_are_played(tmp_path: Path) -> None:
             writer.write(topic, Sample(time_ns=1, value=2).SerializeToString(), 1, 1)
     clock = FakeClock()
     listener = Listener(clock)
-    play(Session(tmp_path / "a.mcap"), listener.put, clock=clock)
+    play(Course([Session(tmp_path / "a.mcap")]), listener.put, clock=clock)
     assert listener.topics == [SURFACE_TORQUE, SURFACE_SPEED]
     assert not listener.samples[0].HasField("sequence")

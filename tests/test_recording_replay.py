@@ -8,15 +8,17 @@ import subprocess
 import sys
 import termios
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 import pytest
 import zenoh
+from typer.testing import CliRunner
 
-from vsensor.bus import SurfaceInbox, open_session
+from vsensor.bus import Questions, SurfaceInbox, open_session
+from vsensor.cli.main import app
 from vsensor.config import Bus
-from vsensor.messages import SENSOR_ALIVE, SURFACE_SPEED, SURFACE_TORQUE, Sample
+from vsensor.messages import SENSOR_ALIVE, SENSOR_EVENT, SURFACE_SPEED, SURFACE_TORQUE, Event, Sample
 from vsensor.recording.writer import SessionWriter
 
 pytestmark = pytest.mark.process
@@ -30,6 +32,9 @@ ON_A_TERMINAL = (
 )
 
 
+COMMANDS = f"{PREFIX}/sensor/command"
+
+
 class Rig:
     """The daemon's ears on a bus of our own."""
 
@@ -37,14 +42,23 @@ class Rig:
         self.endpoint = endpoint
         self.samples: list[tuple[str, Sample]] = []
         self._inbox = SurfaceInbox(zenoh_session, PREFIX, (SURFACE_TORQUE, SURFACE_SPEED))
+        self.told: list[str] = []
+        self._questions = Questions(zenoh_session, COMMANDS)
         self._alive = zenoh_session.liveliness().declare_token(f"{PREFIX}/{SENSOR_ALIVE}")
 
     def hear(self) -> int:
         """Take in what has come; how many samples that makes."""
+        self._questions.answer(self._obey)
         for received in self._inbox.drain():
             assert received.sample is not None
             self.samples.append((received.topic, received.sample))
         return len(self.samples)
+
+    def _obey(self, words: str) -> str:
+        if words == "nonsense":
+            raise ValueError("is no command")
+        self.told.append(f"{len(self.samples)} {words}")
+        return "done"
 
     def until(self, true: Callable[[], bool], seconds: float = 40.0) -> None:
         deadline = time.monotonic() + seconds
@@ -74,13 +88,26 @@ def rig() -> Iterator[Rig]:
 @pytest.fixture
 def recorded(tmp_path: Path) -> Path:
     path = tmp_path / "a.mcap"
-    with SessionWriter(path, configuration="", metadata={"rig": "well-b"}, compression="zstd") as writer:
-        for number in range(ROWS):
-            time_ns = 1000 * NS + number * 10_000_000
+    write(path, ROWS)
+    return path
+
+
+def write(
+    path: Path,
+    rows: int,
+    begun_ns: int = 1000 * NS,
+    events: Mapping[int, str] | None = None,
+    rig: str = "well-b",
+) -> None:
+    with SessionWriter(path, configuration="", metadata={"rig": rig}, compression="zstd") as writer:
+        for number in range(rows):
+            time_ns = begun_ns + number * 10_000_000
+            if events and number in events:
+                event = Event(time_ns=time_ns, name="command", begins=True, text=events[number])
+                writer.write(SENSOR_EVENT, event.SerializeToString(), time_ns, time_ns)
             for topic in (SURFACE_TORQUE, SURFACE_SPEED):
                 sample = Sample(time_ns=time_ns, value=number, sequence=number)
                 writer.write(topic, sample.SerializeToString(), time_ns, time_ns)
-    return path
 
 
 def replay(rig: Rig, session: Path, *words: str) -> "subprocess.Popen[str]":
@@ -116,6 +143,66 @@ def test_present_stamps_begin_now(rig: Rig, recorded: Path) -> None:
     assert [time_ns - times[0] for time_ns in times] == [10_000_000 * n for n in range(10)]
 
 
+def test_until_and_as_fast_as_it_goes(rig: Rig, recorded: Path) -> None:
+    with replay(rig, recorded, "--speed", "max", "--start", "5", "--until", "12") as player:
+        rig.until(lambda: rig.hear() == 1400)
+        player.communicate(timeout=30)
+    assert player.returncode == 0
+    assert rig.samples[-1][1].time_ns == 1011 * NS + 990_000_000
+
+
+def test_several_sessions_in_a_row_tell_their_gap(rig: Rig, recorded: Path, tmp_path: Path) -> None:
+    later = tmp_path / "b.mcap"
+    write(later, 50, begun_ns=1030 * NS + 90 * NS)
+    words = ("--speed", "100", "--topics", SURFACE_SPEED, "--start", "29")
+    with replay(rig, recorded, str(later), *words) as player:
+        rig.until(lambda: rig.hear() == 150)
+        said, complained = player.communicate(timeout=30)
+    assert f"{later}, after a gap of 1:30.0" in complained.replace("\n", "")
+    assert f"150 messages of {recorded}, {later} published" in said
+    assert {topic for topic, _ in rig.samples} == {SURFACE_SPEED}
+
+
+def test_recorded_commands_are_given_again_at_their_place_if_asked(rig: Rig, tmp_path: Path) -> None:
+    path = tmp_path / "c.mcap"
+    events = {30: "off bottom", 31: "nonsense", 60: "longer 28.5 m"}
+    write(path, 100, events=events)
+    with replay(rig, path, "--commands") as player:
+        rig.until(lambda: rig.hear() == 200)
+        _, complained = player.communicate(timeout=30)
+    assert player.returncode == 0
+    assert rig.told == ["60 off bottom", "120 longer 28.5 m"]
+    assert '"off bottom": done' in complained
+    assert '"nonsense" is refused: is no command' in complained
+    with replay(rig, path) as player:
+        rig.until(lambda: rig.hear() == 400)
+        player.communicate(timeout=30)
+    assert len(rig.told) == 2
+
+
+@pytest.mark.parametrize(
+    ("words", "fault"),
+    [
+        (("--speed", "0"), "is no speed"),
+        (("--speed", "quick"), "is no speed"),
+        (("--topics", "surface/colour"), "is on no bus"),
+        (("--topics", "sensor/state"), "is on no bus"),
+        (("--topics", "bit/estimate"), "holds none of bit/estimate"),
+    ],
+)
+def test_what_cannot_be_played_is_named(recorded: Path, words: tuple[str, ...], fault: str) -> None:
+    done = CliRunner().invoke(app, ["replay", str(recorded), *words])
+    assert done.exit_code in (1, 2)
+    assert fault in done.output
+
+
+def test_sessions_of_two_rigs_are_not_mixed_unless_a_name_is_given(recorded: Path, tmp_path: Path) -> None:
+    write(tmp_path / "d.mcap", 10, rig="well-c")
+    done = CliRunner().invoke(app, ["replay", str(recorded), str(tmp_path / "d.mcap")])
+    assert done.exit_code == 2
+    assert "is not of the rig well-b" in done.output
+
+
 def test_ctrl_c_ends_an_endless_loop_with_its_account(rig: Rig, recorded: Path) -> None:
     with replay(rig, recorded, "--loop", "--duration", "0.2") as player:
         rig.until(lambda: rig.hear() > 60)
@@ -149,6 +236,11 @@ def test_the_keyboard_pauses_steps_and_ends_and_the_terminal_is_restored(rig: Ri
         rig.until(lambda: rig.hear() == heard + 3)
         rig.until_silent()
         assert rig.hear() == heard + 3
+        os.write(keys, b"\x1b[C")  # an arrow
+        rig.until_silent()
+        os.write(keys, b".")
+        rig.until(lambda: rig.hear() == heard + 4)
+        assert rig.samples[-1][1].time_ns - rig.samples[-2][1].time_ns >= 10 * NS - 20_000_000
         os.write(keys, b" ")
         rig.until(lambda: rig.hear() > heard + 20)
         os.write(keys, b"q")

@@ -1,4 +1,4 @@
-"""`vsensor replay`: a session's surface samples published as if live."""
+"""`vsensor replay`: sessions published as if live."""
 
 import math
 import time
@@ -8,92 +8,147 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
-from rich.status import Status
 
 from vsensor.cli.options import connected, rig_name
 from vsensor.config import Bus, loads
-from vsensor.errors import ConfigError
+from vsensor.errors import BusError, ConfigError
 
 if TYPE_CHECKING:
-    from vsensor.messages import Sample
+    import zenoh
+
+    from vsensor.messages import Message
     from vsensor.recording.reader import Session
 
-_KEYS = "space pauses, . steps, q ends"
+FASTEST = "max"
+
+
+def _speed(text: str) -> float:
+    try:
+        speed = math.inf if text == FASTEST else float(text)
+    except ValueError:
+        speed = 0.0
+    if not speed > 0:
+        raise typer.BadParameter(f"{text!r} is no speed: a number such as 0.1 or 20, or {FASTEST}")
+    return speed
 
 
 def replay(
-    session: Annotated[Path, typer.Argument(help="A recorded session.")],
+    sessions: Annotated[
+        list[Path],
+        typer.Argument(metavar="SESSION...", help="Recorded, played one after the other."),
+    ],
     rig: Annotated[str, typer.Option(help="Publish under this rig's name, not the recorded one.")] = "",
     connect: Annotated[
         str, typer.Option(help="Where the sensor listens; tcp/127.0.0.1:7447 by default.")
     ] = "",
-    speed: Annotated[float, typer.Option(help="Times as fast.", min=0.001)] = 1.0,
-    start: Annotated[float, typer.Option(help="Seconds into the session.", min=0)] = 0.0,
-    duration: Annotated[float | None, typer.Option(help="Seconds of the session.", min=0)] = None,
+    speed: Annotated[
+        float, typer.Option(parser=_speed, metavar="TIMES", help=f"Times as fast, or {FASTEST}.")
+    ] = 1.0,
+    start: Annotated[float, typer.Option(help="Seconds into the first session.", min=0)] = 0.0,
+    duration: Annotated[float, typer.Option(help="Seconds to play.", min=0)] = math.inf,
+    until: Annotated[float, typer.Option(help="Seconds into the first session to end at.", min=0)] = math.inf,
     loop: Annotated[bool, typer.Option("--loop", help="Begin again for ever, time running on.")] = False,
     present: Annotated[
         bool, typer.Option("--present", help="Time stamps that begin now, at their recorded spacing.")
     ] = False,
+    topics: Annotated[
+        str, typer.Option(help="What to publish, parted by commas; by default the surface channels.")
+    ] = "",
+    commands: Annotated[
+        bool, typer.Option("--commands", help="Give the recorded commands to the sensor again.")
+    ] = False,
+    max_gap: Annotated[float, typer.Option(help="Seconds to wait between sessions at most.", min=0)] = 10.0,
 ) -> None:
-    """Publish a session's surface samples as if live. At a terminal space pauses, . steps, q ends."""
+    """Publish sessions as if live. At a terminal space pauses, . steps, the arrows seek, q ends."""
     from vsensor.bus import Outbox, open_session, wait_for_sensor
+    from vsensor.cli.screen import Screen
+    from vsensor.messages import SENSOR_EVENT, SURFACE_TOPICS
+    from vsensor.recording.course import Course
     from vsensor.recording.keyboard import Keyboard
     from vsensor.recording.player import Command, play
     from vsensor.recording.reader import Session
     from vsensor.service.pace import MonotonicClock
     from vsensor.signals import until_signalled
 
-    recorded = Session(session)
+    recorded = [Session(path) for path in sessions]
+    chosen = _topics(topics) if topics else SURFACE_TOPICS
     bus, prefix = _bus(recorded, rig, connect)
+    course = Course(recorded, (*chosen, SENSOR_EVENT) if commands else chosen, max_gap)
     console = Console(stderr=True)
     with until_signalled() as stopped, open_session(bus, "client") as zenoh:
         if not wait_for_sensor(zenoh, prefix):
             typer.echo(f"nobody listens on {prefix} yet; publishing all the same", err=True)
-        with Keyboard() as keyboard, console.status(prefix) as status:
-            keys = f" ({_KEYS})" if keyboard.listening else ""
-            outbox = Outbox(zenoh, prefix, reliable=True)
+        with Keyboard() as keyboard, Screen(console, course, prefix, speed, keyboard.listening) as screen:
+            put: Callable[[str, Message], object] = Outbox(zenoh, prefix, reliable=True).put
+            if commands:
+                put = _commanding(put, zenoh, prefix, screen.say, publish=SENSOR_EVENT in chosen)
             count = play(
-                recorded,
-                _shown(outbox.put, status, f"on {prefix}{keys}"),
+                course,
+                put,
                 clock=MonotonicClock(),
                 speed=speed,
                 start_s=start,
-                duration_s=math.inf if duration is None else duration,
+                end_s=min(start + duration, until),
                 loop=loop,
-                first_time_ns=time.time_ns() if present else None,
+                stamp=time.time_ns if present else None,
                 command=lambda: Command.QUIT if stopped() else keyboard.command(),
+                show=screen.show,
             )
-    typer.echo(f"{count} samples of {session} published on {prefix}")
+    what = "samples" if chosen is SURFACE_TOPICS and not commands else "messages"
+    typer.echo(f"{count} {what} of {', '.join(map(str, sessions))} published on {prefix}")
 
 
-def _bus(session: "Session", rig: str, connect: str) -> tuple[Bus, str]:
+def _topics(text: str) -> tuple[str, ...]:
+    """Topics by name; ConfigError for what is not published on a bus."""
+    from vsensor.messages import SENSOR_STATE, message_type
+
+    topics = tuple(topic.strip() for topic in text.split(",") if topic.strip())
+    for topic in topics:
+        if message_type(topic) is None or topic == SENSOR_STATE:
+            raise ConfigError(
+                f"--topics: {topic!r} is on no bus: surface/torque and bit/estimate, for example, are"
+            )
+    return topics
+
+
+def _bus(sessions: "list[Session]", rig: str, connect: str) -> tuple[Bus, str]:
     """Where to publish, and under which prefix: as asked, else as recorded."""
+    session = sessions[0]
     recorded = (
         loads(session.configuration, f"{session.path}: configuration") if session.configuration else None
     )
     name = rig_name(rig) if rig else session.metadata.get("rig") or (recorded.rig.name if recorded else "")
     if not name:
         raise ConfigError(f"{session.path}: does not say which rig it is of: name one with --rig")
+    for other in sessions[1:]:
+        if not rig and other.metadata.get("rig") != name:
+            raise ConfigError(f"{other.path}: is not of the rig {name}: name one for all with --rig")
     # The recorded endpoint is where that sensor listened then, a demonstration's on a port of the day.
     bus = connected(Bus(prefix=recorded.bus.prefix) if recorded else Bus(), connect)
     return bus, bus.prefix.replace("{rig}", name)
 
 
-def _shown(
-    put: "Callable[[str, Sample], object]", status: Status, rest: str
-) -> "Callable[[str, Sample], None]":
-    """Publish and count, and say how far we are, some times a second."""
-    count = 0
-    first_ns: int | None = None
-    due = 0.0
+def _commanding(
+    put: "Callable[[str, Message], object]",
+    session: "zenoh.Session",
+    prefix: str,
+    say: Callable[[str], None],
+    publish: bool,
+) -> "Callable[[str, Message], None]":
+    """Publish, and give a recorded command to the sensor again; what it answers is said."""
+    from vsensor.bus import command
+    from vsensor.commands import COMMAND
+    from vsensor.messages import Event
 
-    def publish(topic: str, sample: "Sample") -> None:
-        nonlocal count, first_ns, due
-        put(topic, sample)
-        count += 1
-        first_ns = sample.time_ns if first_ns is None else first_ns
-        if time.monotonic() >= due:
-            due = time.monotonic() + 0.2
-            status.update(f"{(sample.time_ns - first_ns) / 1e9:.1f} s, {count} samples {rest}")
+    def give(topic: str, message: "Message") -> None:
+        if isinstance(message, Event):
+            if message.name == COMMAND:
+                try:
+                    say(f'"{message.text}": {command(session, prefix, message.text)}')
+                except BusError as error:
+                    say(f'"{message.text}" is refused: {error}')
+            if not publish:
+                return
+        put(topic, message)
 
-    return publish
+    return give

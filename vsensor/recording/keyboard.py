@@ -1,16 +1,29 @@
 """The listener's keys, as commands to the player."""
 
 import os
+import re
 import select
 import sys
 import termios
 import tty
+from collections import deque
 from types import TracebackType
 from typing import Self
 
 from vsensor.recording.player import Command
 
-KEYS = {b" ": Command.PAUSE, b".": Command.STEP, b"q": Command.QUIT}
+KEYS = {
+    b" ": Command.PAUSE,
+    b".": Command.STEP,
+    b"q": Command.QUIT,
+    b"[D": Command.BACK,  # the arrows: left, right, down, up
+    b"[C": Command.FORWARD,
+    b"[B": Command.FAR_BACK,
+    b"[A": Command.FAR_FORWARD,
+}
+HELP = "space pauses, . steps, ← → 10 s, ↓ ↑ a minute, q ends"
+_KEY = re.compile(rb"\x1b[\[O]([A-Z])|(.)", re.DOTALL)
+"""An arrow, as a terminal sends it in either of its modes, or a single character."""
 
 
 class Keyboard:
@@ -21,6 +34,7 @@ class Keyboard:
 
     def __init__(self) -> None:
         self._descriptor = -1
+        self._pressed: deque[bytes] = deque()
         self._settings: list[int | list[bytes | int]] | None = None
 
     def __enter__(self) -> Self:
@@ -43,6 +57,7 @@ class Keyboard:
 
     def command(self) -> Command | None:
         """What the next key that was pressed means; never waits."""
-        if not self.listening or not select.select([self._descriptor], [], [], 0)[0]:
-            return None
-        return KEYS.get(os.read(self._descriptor, 1))
+        if self.listening and select.select([self._descriptor], [], [], 0)[0]:
+            for arrow, key in _KEY.findall(os.read(self._descriptor, 64)):
+                self._pressed.append(b"[" + arrow if arrow else key)
+        return KEYS.get(self._pressed.popleft()) if self._pressed else None

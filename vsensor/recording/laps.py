@@ -1,26 +1,14 @@
-"""A session's surface samples in order, each with its place in time, once or over and over."""
+"""A course run once or over and over, from wherever the listener wants it."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 from vsensor.errors import InputError
-from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Sample
-from vsensor.recording.reader import Session
-
-_SLACK_NS = 1_000_000_000
-"""How much further apart two samples' own times may lie than their arrivals: beyond, a stamp is wrong."""
+from vsensor.messages import Message, Sample
+from vsensor.recording.course import NS, Course, Placed
 
 _MAX_TIME_NS = (1 << 63) - 1
 _SEQUENCES = 1 << 64
-
-
-class Placed(NamedTuple):
-    """A sample, and when it is due: ns from the session's first sample, laps added up."""
-
-    position_ns: int
-    topic: str
-    sample: Sample
 
 
 @dataclass(slots=True)
@@ -35,27 +23,31 @@ class _Range:
 
 @dataclass(slots=True)
 class _Lap:
-    """What one lap covers."""
+    """What one lap has covered."""
 
     positions: _Range = field(default_factory=lambda: _Range(0, 0))
     times: _Range = field(default_factory=lambda: _Range(0, 0))
     sequences: dict[str, _Range] = field(default_factory=dict)
     counts: dict[str, int] = field(default_factory=dict)
 
-    def note(self, position_ns: int, topic: str, sample: Sample) -> None:
+    def note(self, position_ns: int, topic: str, message: Message) -> None:
         if not self.counts:
             self.positions = _Range(position_ns, position_ns)
-            self.times = _Range(sample.time_ns, sample.time_ns)
+            self.times = _Range(message.time_ns, message.time_ns)
+        if position_ns >= self.positions.last:  # not where it was sought back to: that is counted
+            self.counts[topic] = self.counts.get(topic, 0) + 1
         self.positions.last = position_ns
-        self.times.last = sample.time_ns
-        self.counts[topic] = self.counts.get(topic, 0) + 1
-        self.sequences.setdefault(topic, _Range(sample.sequence, sample.sequence)).last = sample.sequence
+        self.times.last = message.time_ns
+        if isinstance(message, Sample):
+            self.sequences.setdefault(
+                topic, _Range(message.sequence, message.sequence)
+            ).last = message.sequence
 
     @property
     def step_ns(self) -> int:
-        """The usual time from one sample of a channel to the next; a second where there is but one."""
+        """The usual time from one message of a topic to the next; a second where there is but one."""
         steps = max(self.counts.values()) - 1
-        return max(round(self.positions.span / steps), 1) if steps else 1_000_000_000
+        return max(round(self.positions.span / steps), 1) if steps else NS
 
 
 @dataclass(slots=True)
@@ -66,11 +58,15 @@ class _Shift:
     time_ns: int = 0
     sequence: dict[str, int] = field(default_factory=dict)
 
-    def moved(self, position_ns: int, topic: str, sample: Sample) -> Placed:
-        sample.time_ns = min(sample.time_ns + self.time_ns, _MAX_TIME_NS)
-        if sample.HasField("sequence"):
-            sample.sequence = (sample.sequence + self.sequence.get(topic, 0)) % _SEQUENCES
-        return Placed(position_ns + self.position_ns, topic, sample)
+    def moved(self, position_ns: int, topic: str, message: Message) -> Placed:
+        if self.time_ns:
+            for described, _ in message.ListFields():
+                if described.name.endswith("time_ns"):
+                    moved_ns = min(getattr(message, described.name) + self.time_ns, _MAX_TIME_NS)
+                    setattr(message, described.name, moved_ns)
+        if isinstance(message, Sample) and message.HasField("sequence"):
+            message.sequence = (message.sequence + self.sequence.get(topic, 0)) % _SEQUENCES
+        return Placed(position_ns + self.position_ns, topic, message)
 
     def add(self, lap: _Lap) -> None:
         self.position_ns += lap.positions.span + lap.step_ns
@@ -79,58 +75,69 @@ class _Shift:
             self.sequence[topic] = self.sequence.get(topic, 0) + sequence.span + 1
 
 
-def laps(
-    session: Session, start_s: float, duration_s: float, loop: bool, first_time_ns: int | None
-) -> Iterator[Placed]:
-    """Yield the surface samples between start and start + duration; again and again with `loop`.
+class Laps:
+    """The messages between start and end; again and again with `loop`.
 
-    In a later lap positions, time stamps and sequence numbers run on, one usual step after the last.
-    `first_time_ns`, if given, becomes the first time stamp, and all others move with it. Raises
-    InputError where nothing lies between.
+    In a later lap positions, time stamps and sequence numbers run on, one usual step after the last. `stamp`,
+    if given, is asked for the first message's time stamp, and for that after each seek; the others move with
+    it. Iterating raises InputError where nothing lies between.
     """
-    shift = _Shift()
-    restamped = first_time_ns is None
-    while True:
-        lap = _Lap()
-        for placed in _between(session, start_s, duration_s):
-            lap.note(*placed)
-            if first_time_ns is not None and not restamped:
-                shift.time_ns = first_time_ns - placed.sample.time_ns
-                restamped = True
-            yield shift.moved(*placed)
-        if not lap.counts:
-            raise InputError(
-                f"{session.path}: holds no {SURFACE_TORQUE} and no {SURFACE_SPEED} "
-                f"between {start_s:g} s and {start_s + duration_s:g} s of its time"
-            )
-        if not loop:
-            return
-        shift.add(lap)
 
+    def __init__(
+        self,
+        course: Course,
+        start_s: float,
+        end_s: float,
+        loop: bool,
+        stamp: Callable[[], int] | None,
+    ) -> None:
+        self._course = course
+        self._start_ns = start_s * NS
+        self._end_ns = end_s * NS
+        self._loop = loop
+        self._stamp = stamp
+        self._shift = _Shift()
+        self._sought_ns: float | None = None
 
-def _between(session: Session, start_s: float, duration_s: float) -> Iterator[Placed]:
-    end_ns = (start_s + duration_s) * 1e9
-    for placed in _placed(session):
-        if placed.position_ns >= end_ns:
-            return
-        if placed.position_ns >= start_s * 1e9:
-            yield placed
+    def seek(self, position_ns: float) -> float:
+        """Go on from another position of the present lap, the nearest that there is; returns it."""
+        shift_ns = self._shift.position_ns
+        last_ns = min(self._end_ns, self._course.length_ns)
+        self._sought_ns = min(max(position_ns - shift_ns, self._start_ns), last_ns)
+        return self._sought_ns + shift_ns
 
+    def on_course(self, position_ns: float) -> float:
+        """Where a position of the present lap lies on the course."""
+        return position_ns - self._shift.position_ns
 
-def _placed(session: Session) -> Iterator[Placed]:
-    """A sample's place is its own time after the first one's, but for steps that its arrival belies.
+    def __iter__(self) -> Iterator[Placed]:
+        """Yield each message when it is asked for; what comes next may be sought meanwhile."""
+        while True:
+            lap = _Lap()
+            yield from self._lap(lap)
+            if not lap.counts:
+                raise InputError(self._nothing())
+            if not self._loop:
+                return
+            self._shift.add(lap)
 
-    Steps between neighbours add up to that without error, and one wrong stamp among them (a source
-    whose clock was set, a bit that flipped) does not hold the player up for years.
-    """
-    position_ns = 0
-    last: tuple[int, int] | None = None
-    for topic, message, arrival_ns, _ in session.messages((SURFACE_TORQUE, SURFACE_SPEED)):
-        if not isinstance(message, Sample):
-            continue
-        if last is not None:
-            step_ns, arrival_step_ns = message.time_ns - last[0], abs(arrival_ns - last[1])
-            believable = abs(step_ns) <= arrival_step_ns + _SLACK_NS
-            position_ns += step_ns if believable else arrival_step_ns
-        last = message.time_ns, arrival_ns
-        yield Placed(position_ns, topic, message)
+    def _lap(self, lap: _Lap) -> Iterator[Placed]:
+        begin_ns: float | None = self._start_ns
+        stamp, sought = None if self._shift.position_ns else self._stamp, False
+        while begin_ns is not None:
+            for placed in self._course.between(begin_ns, self._end_ns):
+                lap.note(*placed)
+                if stamp is not None:
+                    wait_ns = round(placed.position_ns - begin_ns) if sought else 0
+                    self._shift.time_ns = stamp() + wait_ns - placed.message.time_ns
+                    stamp = None
+                yield self._shift.moved(*placed)
+                if self._sought_ns is not None:
+                    break
+            begin_ns, self._sought_ns = self._sought_ns, None
+            stamp, sought = self._stamp, True
+
+    def _nothing(self) -> str:
+        sessions = ", ".join(str(leg.session.path) for leg in self._course.legs)
+        between = f"between {self._start_ns / NS:g} s and {self._end_ns / NS:g} s of its time"
+        return f"{sessions}: holds none of {', '.join(self._course.topics)} {between}"

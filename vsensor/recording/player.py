@@ -1,13 +1,13 @@
-"""A session's surface samples given out again at the pace at which they were taken."""
+"""Recorded messages given out again at the pace at which they were taken."""
 
 import math
 from collections.abc import Callable
 from enum import Enum
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
-from vsensor.messages import Sample
-from vsensor.recording.laps import laps
-from vsensor.recording.reader import Session
+from vsensor.messages import Message
+from vsensor.recording.course import NS, Course
+from vsensor.recording.laps import Laps
 
 _LOOK_NS = 50_000_000  # how often a waiting player looks whether it is told anything
 
@@ -26,84 +26,133 @@ class Command(Enum):
     """What the listener at the keyboard wants."""
 
     PAUSE = "pause, or go on"
-    STEP = "one sample, while paused"
+    STEP = "one message, while paused"
     QUIT = "end"
+    BACK = "10 s back"
+    FORWARD = "10 s forward"
+    FAR_BACK = "a minute back"
+    FAR_FORWARD = "a minute forward"
+
+
+SEEK_S = {
+    Command.BACK: -10.0,
+    Command.FORWARD: 10.0,
+    Command.FAR_BACK: -60.0,
+    Command.FAR_FORWARD: 60.0,
+}
+
+
+class Progress(NamedTuple):
+    """How far the player is."""
+
+    position_s: float
+    """On the course."""
+    messages: int
+    paused: bool
 
 
 def no_command() -> None:
     """Nobody at the keyboard."""
 
 
+def no_show(_progress: Progress) -> None:
+    """Nobody who looks."""
+
+
 def play(
-    session: Session,
-    put: Callable[[str, Sample], None],
+    course: Course,
+    put: Callable[[str, Message], object],
     *,
     clock: Clock,
     speed: float = 1.0,
     start_s: float = 0.0,
-    duration_s: float = math.inf,
+    end_s: float = math.inf,
     loop: bool = False,
-    first_time_ns: int | None = None,
+    stamp: Callable[[], int] | None = None,
     command: Callable[[], Command | None] = no_command,
+    show: Callable[[Progress], object] = no_show,
 ) -> int:
-    """Give a session's surface samples to `put`, each at its time, and return how many they were.
+    """Give a course's messages to `put`, each at its time, and return how many they were.
 
-    `start_s` and `duration_s` are in the session's time, `speed` is session time over clock time.
-    Deadlines count from one start, so that delays do not add up; a late sample goes out at once.
-    `first_time_ns` moves all time stamps so that the first is this one; their spacing stays, for
-    the physics lives in it. With `loop` it begins again for ever, time stamps and sequence numbers
-    running on. `command` is asked between samples and while waiting. Raises InputError where there
-    is nothing to play.
+    `start_s` and `end_s` are in the course's time, `speed` is its time over clock time, infinite: as fast
+    as it goes. Deadlines count from one start, so that delays do not add up; a late message goes out at once.
+    `stamp` tells the present, for time stamps that begin now: their spacing stays, for the physics lives in
+    it. With `loop` it begins again for ever, time stamps and sequence numbers running on. `command` is asked
+    between messages and while waiting, and `show` told as often. Raises InputError where there is nothing
+    to play.
     """
+    laps = Laps(course, start_s, end_s, loop, stamp)
     pace: _Pace | None = None
     count = 0
-    for position_ns, topic, sample in laps(session, start_s, duration_s, loop, first_time_ns):
-        pace = pace or _Pace(clock, speed, command, position_ns)
-        if not pace.wait(position_ns):
+
+    def look() -> None:
+        if pace is not None:
+            show(Progress(laps.on_course(pace.at_ns) / NS, count, pace.paused))
+
+    for position_ns, topic, message in laps:
+        pace = pace or _Pace(clock, speed, position_ns)
+        told = pace.wait(position_ns, command, look)
+        if told is Command.QUIT:
             break
-        put(topic, sample)
+        if told is not None:
+            pace.jump(laps.seek(pace.at_ns + SEEK_S[told] * NS))
+            continue
+        put(topic, message)
         count += 1
+        look()
     return count
 
 
 class _Pace:
-    """Where in the session the clock stands: a straight line from an anchor that only pauses move."""
+    """Where on the course the clock stands: a straight line from an anchor that pauses and seeks move."""
 
-    def __init__(
-        self, clock: Clock, speed: float, command: Callable[[], Command | None], position_ns: int
-    ) -> None:
+    def __init__(self, clock: Clock, speed: float, position_ns: int) -> None:
+        self.paused = False
         self._clock = clock
         self._speed = speed
-        self._command = command
-        self._anchor_ns = clock.now_ns()
-        self._position_ns: float = position_ns
-        self._paused = False
+        self._newest_ns = position_ns
+        self.jump(position_ns)
 
-    def wait(self, position_ns: int) -> bool:
-        """Return when the session has come to this position; False where it is to end."""
+    @property
+    def at_ns(self) -> float:
+        """The position of this moment; as fast as it goes, that of the newest message."""
+        if self.paused:
+            return self._position_ns
+        if math.isinf(self._speed):
+            return self._newest_ns
+        return self._position_ns + (self._clock.now_ns() - self._anchor_ns) * self._speed
+
+    def jump(self, position_ns: float) -> None:
+        """Stand at another position from now on."""
+        self._position_ns: float = position_ns
+        self._anchor_ns = self._clock.now_ns()
+
+    def wait(
+        self, position_ns: int, command: Callable[[], Command | None], look: Callable[[], object]
+    ) -> Command | None:
+        """Return when the clock has come to this position, or with a command to be elsewhere."""
         while True:
-            match self._command():
-                case Command.QUIT:
-                    return False
+            match told := command():
                 case Command.PAUSE:
-                    self._toggle()
-                case Command.STEP if self._paused:
+                    self.jump(self.at_ns)
+                    self.paused = not self.paused
+                case Command.STEP if self.paused:
                     self._position_ns = max(self._position_ns, position_ns)
-                    return True
+                    break
+                case Command.STEP | None:
+                    pass
+                case _:
+                    return told
             now_ns = self._clock.now_ns()
             due_ns = self._due_ns(position_ns)
             if now_ns >= due_ns:
-                return True
+                break
+            look()
             self._clock.sleep_until(int(min(due_ns, now_ns + _LOOK_NS)))
+        self._newest_ns = position_ns
+        return None
 
     def _due_ns(self, position_ns: int) -> float:
-        if self._paused:
+        if self.paused:
             return math.inf
         return self._anchor_ns + math.ceil((position_ns - self._position_ns) / self._speed)
-
-    def _toggle(self) -> None:
-        now_ns = self._clock.now_ns()
-        if not self._paused:
-            self._position_ns += (now_ns - self._anchor_ns) * self._speed
-        self._anchor_ns = now_ns
-        self._paused = not self._paused

@@ -48,19 +48,19 @@ class Session:
         self.recorder = notes.get(RECORDER, {})
         self._check_is_ours(found)
 
-    def messages(self, topics: Collection[str] | None = None) -> Iterator[Record]:
+    def messages(self, topics: Collection[str] | None = None, since_ns: int = 0) -> Iterator[Record]:
         """Yield the messages of these topics (of all, by default) in the file's order.
 
         That is the order of arrival, which makes a run over them exact. Topics that we do not know
-        are passed over.
+        are passed over, and what was received before `since_ns`, of which an index spares the reading.
         Raises InputError for a message that cannot be decoded, and for damage within a complete file.
         """
         scan = Scan(self.path)
         kinds: dict[str, type[Message] | None] = {}
         numbers: dict[str, int] = {}
-        for schema, channel, message in scan.messages():
+        for schema, channel, message in scan.messages(since_ns, self._index):
             topic = channel.topic
-            if topics is not None and topic not in topics:
+            if message.log_time < since_ns or (topics is not None and topic not in topics):
                 continue
             if topic not in kinds:
                 kinds[topic] = self.kind(schema, channel)
@@ -76,7 +76,7 @@ class Session:
                     f"cannot be decoded as {kind.DESCRIPTOR.full_name}: {error}"
                 ) from error
             yield Record(topic, decoded, message.log_time, message.publish_time)
-        if self.complete:
+        if self.complete and not since_ns:
             self.check_nothing_missed(scan)
 
     def state(self) -> State | None:

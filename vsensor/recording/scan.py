@@ -13,6 +13,7 @@ from mcap.exceptions import EndOfFile
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, McapRecord, Message, MessageIndex, Schema
 from mcap.stream_reader import StreamReader, breakup_chunk
+from mcap.summary import Summary
 
 from vsensor.errors import InputError
 
@@ -74,11 +75,21 @@ class Scan:
         except OSError as error:
             raise InputError(f"{self._path}: cannot be read: {error.strerror}") from error
 
-    def messages(self) -> Iterator[tuple[Schema | None, Channel, Message]]:
-        """Yield the messages in the order in which they stand in the file."""
-        schemas: dict[int, Schema] = {}
-        channels: dict[int, tuple[Schema | None, Channel]] = {}
-        for record in self.records():
+    def messages(
+        self, since_ns: int = 0, index: Summary | None = None
+    ) -> Iterator[tuple[Schema | None, Channel, Message]]:
+        """Yield the messages in the order in which they stand in the file.
+
+        With its `index` known, chunks that end before `since_ns` (log time) are passed over unread.
+        """
+        schemas = dict(index.schemas) if index else {}
+        channels = {c.id: (schemas.get(c.schema_id), c) for c in index.channels.values()} if index else {}
+
+        def unpack(chunk: Chunk) -> Iterable[McapRecord]:
+            passed = index is not None and chunk.message_end_time < since_ns
+            return () if passed else breakup_chunk(chunk, validate_crc=True)
+
+        for record in self.unpacked(unpack):
             if isinstance(record, Message) and record.channel_id in channels:
                 self.count += 1
                 yield (*channels[record.channel_id], record)
