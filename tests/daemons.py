@@ -42,7 +42,8 @@ class Daemon:
 
     def __init__(self, rig: Rig, bus: Bus, folder: Path) -> None:
         recording = rig.recording.model_copy(update={"folder": folder / "recordings"})
-        self.rig = rig.model_copy(update={"bus": bus, "recording": recording})
+        state = rig.state.model_copy(update={"folder": folder / "state"})
+        self.rig = rig.model_copy(update={"bus": bus, "recording": recording, "state": state})
         self.config = folder / "rig.toml"
         self.config.write_text(effective_toml(self.rig), encoding="utf-8")
         self._log = folder / "said.txt"

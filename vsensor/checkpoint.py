@@ -43,7 +43,7 @@ def whole(state: State, arrays: Arrays) -> State:
 def take_up(state: State, intake: Intake, estimator: Estimator) -> None:
     """Go on from a recorded state. Raises ValueError where it does not fit this configuration or version."""
     try:
-        saved = {described.name: _array(described) for described in state.arrays}
+        saved = {described.name: array_of(described) for described in state.arrays}
         held = json.loads(state.intake)
     except (TypeError, ValueError) as error:
         raise ValueError(f"the recorded state cannot be read: {error}") from error
@@ -54,7 +54,8 @@ def take_up(state: State, intake: Intake, estimator: Estimator) -> None:
         raise ValueError(f"the recorded state of the intake is of another version: {error}") from error
 
 
-def _array(described: Array) -> NDArray[np.generic]:
+def array_of(described: Array) -> NDArray[np.generic]:
+    """The array that a message holds. Raises ValueError where it is not what it claims."""
     if not _NUMBERS.fullmatch(described.dtype):  # numpy would evaluate what else stands there
         raise ValueError(f"{described.name} is of {described.dtype!r}, which are no numbers")
     kind = np.dtype(described.dtype)

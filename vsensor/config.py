@@ -210,6 +210,13 @@ SpeedUnit = Literal["rpm", "rad/s"]
 TorqueUnit = Literal["kN*m", "N*m", "kft*lbf"]
 
 
+class KeptState(Table):
+    """Whether and where what was learned is kept from one start to the next."""
+
+    enabled: Switch = True
+    folder: Path = Path("state")
+
+
 class View(Table):
     """How the live view shows the rig."""
 
@@ -245,6 +252,7 @@ class Rig(Table):
     loop: Loop = Loop()
     bus: Bus = Bus()
     recording: Recording = Recording()
+    state: KeptState = KeptState()
     view: View = View()
 
     @model_validator(mode="after")

@@ -46,11 +46,12 @@ def example(name: str) -> Path:
 
 
 def on_free_port(rig: Rig) -> Rig:
-    """The same rig on a port of its own, so that a daemon at work on this machine is left alone."""
+    """The same rig on a port of its own and without a memory: a daemon at work here is left alone."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
-    return rig.model_copy(update={"bus": rig.bus.model_copy(update={"listen": (f"tcp/127.0.0.1:{port}",)})})
+    bus = rig.bus.model_copy(update={"listen": (f"tcp/127.0.0.1:{port}",)})
+    return rig.model_copy(update={"bus": bus, "state": rig.state.model_copy(update={"enabled": False})})
 
 
 def how_to_view(*, web: bool, say: Callable[[str], None]) -> list[str]:

@@ -16,6 +16,8 @@ from vsensor.config import Rig, effective_toml, load
 if TYPE_CHECKING:
     from vsensor.messages import Status
     from vsensor.recording.recorder import Recorder
+    from vsensor.service.engine import Engine
+    from vsensor.service.keeper import Keeper
     from vsensor.service.realtime import Achieved
 
 FINISH_S = 30.0
@@ -37,9 +39,10 @@ def run(config: Annotated[Path, typer.Argument(help="The rig: a TOML file.")]) -
         engine = Engine(rig)
         with ExitStack() as last:
             session = last.enter_context(open_session(rig.bus, "daemon"))
+            keeper = last.enter_context(_kept(rig, engine, console))
             achieved = achieve(rig.loop)
             recorder = last.enter_context(_recorder(rig, achieved, console))
-            daemon = Daemon(rig, engine, session, recorder, achieved)
+            daemon = Daemon(rig, engine, session, recorder, achieved, keeper)
             _introduce(console, rig, engine.estimator.confirmed_delay, engine.estimator.forecast_horizon)
             _tell_achieved(console, achieved)
             console.print("READY")
@@ -74,6 +77,25 @@ def _recorder(rig: Rig, achieved: "Achieved", console: Console) -> "Iterator[Rec
             console.print(f"recorded {escape(path)}", soft_wrap=True)
         if not completed:
             console.print(f"[red]not complete:[/] {escape(recorder.trouble())}", soft_wrap=True)
+
+
+@contextmanager
+def _kept(rig: Rig, engine: "Engine", console: Console) -> "Iterator[Keeper | None]":
+    """What was learned before, taken up; and what will be, kept."""
+    from vsensor.service.keeper import Keeper, path_of
+
+    if not rig.state.enabled:
+        yield None
+        return
+    keeper = Keeper(path_of(rig), rig, engine)
+    if keeper.begun:
+        console.print(escape(keeper.begun), soft_wrap=True, highlight=False)
+    try:
+        yield keeper
+    finally:
+        keeper.close()
+        if keeper.trouble:
+            console.print(f"[red]what was learned is lost:[/] {escape(keeper.trouble)}", soft_wrap=True)
 
 
 def _introduce(console: Console, rig: Rig, delay: float, horizon: float) -> None:

@@ -1,6 +1,6 @@
 """The virtual sensor: surface torque and speed in, the bit confirmed, now and foretold out."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from typing import NamedTuple
 
 import numpy as np
@@ -16,11 +16,13 @@ from vsensor.estimator.model import model_of, timed, with_length
 from vsensor.estimator.observe import shift_torque
 from vsensor.estimator.responses import TOLD_BIT_SPEED, TOLD_TOP_SPEED
 from vsensor.estimator.sections import Floats, Line, cut, junction_depths, steps_per_tick
-from vsensor.estimator.state import Model, State, fill, flat, fresh, heard, is_learned
+from vsensor.estimator.state import LEARNED, Model, State, fill, flat, fresh, heard, is_learned
 from vsensor.estimator.tune import EVERY_S, INERTIA, OFFSET, correct, tuned
 
 LENGTH = "length"
-"""The name under which a saved state holds the length of the topmost component, m."""
+"""The name under which a saved state holds the length of the topmost component, m;"""
+WAITING = "scores.foretold"
+"""and what was foretold, until it can be held against what came."""
 LONGEST_M = 100e3
 """Longer than any string: a length that was damaged, not one that was recorded."""
 
@@ -200,7 +202,22 @@ class Estimator:
 
     def restore(self, saved: Mapping[str, NDArray[np.generic]]) -> None:
         """Take up a saved state. Raises ValueError where it is of another string, rate or version."""
-        expected = {LENGTH, *flat(self._state)}
+        self._take(self._filled(saved, {LENGTH, *flat(self._state)}))
+
+    def learned(self) -> dict[str, NDArray[np.generic]]:
+        """What is worth knowing after all input was forgotten, as named arrays."""
+        told = {LENGTH: np.array([self._rig.string[0].length]), **flat(self._state, LEARNED)}
+        del told[WAITING]  # predictions whose time will never come
+        return told
+
+    def begin_with(self, learned: Mapping[str, NDArray[np.generic]]) -> None:
+        """Begin with what was learned before. Raises ValueError where it is of another string or version."""
+        state = self._filled(learned, set(self.learned()))
+        lose_sight(state.learned)
+        self._take(state)
+
+    def _filled(self, saved: Mapping[str, NDArray[np.generic]], expected: Set[str]) -> State:
+        """A new state with what was saved, the string as long as it was then."""
         if saved.keys() != expected:
             raise ValueError(f"the saved state holds {sorted(saved)}, not {sorted(expected)}")
         length = saved[LENGTH]
@@ -214,7 +231,7 @@ class Estimator:
         except ValueError:
             self._relay(before)
             raise
-        self._take(state)
+        return state
 
     def _relay(self, rig: Rig) -> None:
         """Lay out the string of another rig, where it is another."""

@@ -1,6 +1,6 @@
 """What the estimator is, and what it remembers: plain arrays, laid out once."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -236,10 +236,11 @@ def shadowed(model: Model) -> Model:
     )
 
 
-def flat(state: State) -> dict[str, NDArray[np.generic]]:
-    """Copies of a state's arrays by name, those of an inner tuple as `learned.NAME`."""
+def flat(state: State, wanted: Collection[str] = State._fields) -> dict[str, NDArray[np.generic]]:
+    """Copies of a state's arrays by name, those of an inner tuple as `learned.NAME`; of the wanted fields."""
     named = {}
-    for name, value in state._asdict().items():
+    for name in wanted:
+        value = getattr(state, name)
         if isinstance(value, np.ndarray):
             named[name] = value.copy()
         else:

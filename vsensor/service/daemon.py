@@ -32,6 +32,7 @@ from vsensor.messages.surface import PROTOBUF
 from vsensor.service.describe import Describer
 from vsensor.service.engine import Engine
 from vsensor.service.health import Health
+from vsensor.service.keeper import Keeper
 from vsensor.service.pace import Pace, Slot
 from vsensor.service.profile import Profiler
 from vsensor.service.realtime import Achieved, settle
@@ -55,12 +56,14 @@ class Daemon:
         session: zenoh.Session,
         recorder: Recorder | None,
         realtime: Achieved,
+        keeper: Keeper | None = None,
     ) -> None:
         self._rig = rig
         self._engine = engine
         self._recorder = recorder
         self._recording = None if recorder is None else Recording(rig, engine, recorder)
         most_refused = max(1, round(REFUSING_SHARE * rig.bus.max_rate / rig.loop.rate))
+        self._keeper = keeper
         self._inbox = SurfaceInbox(session, rig.prefix, SURFACE_TOPICS, rig.bus.max_rate, most_refused)
         self._outbox = Outbox(session, rig.prefix, reliable=False)
         self._watch = Watch(rig)
@@ -83,6 +86,8 @@ class Daemon:
         settle()
         if self._recording is not None:
             self._recording.remember()
+        if self._keeper is not None and self._keeper.begun:
+            self._tell(self._watch.note("learned", True, self._keeper.begun))
         second = 0
         for slot in pace.slots():
             begun = time.monotonic_ns()
@@ -150,13 +155,15 @@ class Daemon:
     def _each_second(self) -> None:
         for note in self._recording.each_second() if self._recording is not None else ():
             self._tell(self._watch.note(*note))
+        if self._keeper is not None:
+            self._keeper.each_second()
         level = self.health.second()
         self._engine.intake.forecast_shed = level >= NO_FORECAST
         for event in self._watch.shedding(level):
             self._tell(event)
         for event in self._each_second_seen():
             self._tell(event)
-        self.status = self.health.status(self._state(), self._recorder)
+        self.status = self.health.status(self._state(), self._recorder, self._keeper)
         self._publish(SENSOR_STATUS, self.status, self.status.time_ns)
         if description := self._describer.second():
             self._publish(STRING_DESCRIPTION, description, description.time_ns)

@@ -39,6 +39,13 @@ class Recorded(Protocol):
         """What keeps it from recording; empty while all is well."""
 
 
+class Keeps(Protocol):
+    """What the status tells of the keeper."""
+
+    trouble: str
+    saved_ns: int
+
+
 class Health:
     """Counts of the loop, and of the second that runs."""
 
@@ -112,7 +119,7 @@ class Health:
         """Stick-slip severity over the configured window, NaN where the bit does not turn."""
         return severity(self._engine.recent[BIT_SPEED])
 
-    def status(self, state: str, recorder: Recorded | None) -> Status:
+    def status(self, state: str, recorder: Recorded | None, keeper: Keeps | None = None) -> Status:
         """The status of this moment; begins a new second."""
         estimator = self._engine.estimator
         status = Status(
@@ -139,6 +146,10 @@ class Health:
         )
         self._tell_of_estimator(status)
         self._tell_of_loop(status)
+        if keeper is not None and keeper.saved_ns:
+            status.learned_saved_ns = keeper.saved_ns
+        if keeper is not None and keeper.trouble:
+            status.learned_trouble = keeper.trouble
         if not np.isnan(worst := self.severity):
             status.severity = worst
         for name, value in figures(self._engine.window, 1 / self._rig.loop.rate)._asdict().items():
