@@ -5,6 +5,7 @@ heeds is noted with it.
 """
 
 import json
+import math
 import time
 from typing import Any
 
@@ -48,9 +49,13 @@ def begin_with(before: Learned, rig: Rig, intake: Intake, estimator: Estimator) 
     for name, array in arrays.items():
         if not np.isfinite(array).all():
             raise ValueError(f"{name} is not finite")
+    if not math.isfinite(before.string_length_m):
+        raise ValueError(f"a string of {before.string_length_m:g} m is none")
     estimator.begin_with(arrays)
+    # Pipe that was added behind the last tick is taken up at the first.
     length = sum(part.length for part in estimator.string)
-    intake.depths.restore({**intake.depths.save(), "length": length})
+    longer = max(round(before.string_length_m - length, 6), 1.0 - estimator.string[0].length)
+    intake.depths.restore({**intake.depths.save(), "length": length + longer, "longer": longer})
 
 
 def _heeded(rig: Rig) -> dict[str, Any]:
