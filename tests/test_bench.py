@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from vsensor.bench import kernel, live, offline, stage, tick, wakes
+from vsensor.bench import kernel, live, offline, reading, stage, tick, wakes
 from vsensor.bench.compiler import FLAGS, NO_COMPILER, compiler
 from vsensor.bench.processes import child_of, processor_s
 from vsensor.bench.record import drilled
@@ -128,7 +128,27 @@ def test_offline_every_row_becomes_a_tick() -> None:
     assert "720 rows gave 1440 samples accepted and 720 ticks" in table.notes
     took = {row["stage"]: row["seconds"] for row in rows(table)}
     assert all(isinstance(seconds, float) and seconds >= 0 for seconds in took.values())
-    assert rows(table)[2]["times the estimator"] == 1
+    assert rows(table)[3]["times the estimator"] == 1
+
+
+def test_both_readers_read_the_same_sessions() -> None:
+    read, costs = reading.tables(0.1)
+    assert [row["compression"] for row in rows(costs)] == ["none", "lz4", "zstd"]
+    assert {row["what"] for row in rows(read)} == set(reading.WANTED)
+    for row in rows(read):
+        ours, theirs = row["by columns, µs"], row["by the library, µs"]
+        assert isinstance(ours, float)
+        assert isinstance(theirs, float)
+        assert row["times faster"] == pytest.approx(theirs / ours)
+
+
+def test_what_the_readers_do_not_agree_on_is_no_benchmark(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = reading.by_library
+    monkeypatch.setattr(
+        reading, "by_library", lambda *given: {key: column + 1 for key, column in real(*given).items()}
+    )
+    with pytest.raises(VsensorError, match=r"none\.mcap: time_ns of surface/torque is not what"):
+        list(reading.tables(0.1))
 
 
 def test_a_minute_is_simulated_and_repeated() -> None:

@@ -18,6 +18,7 @@ class Benchmark(StrEnum):
     """The benchmarks by name."""
 
     KERNEL = "kernel"
+    READING = "reading"
     OFFLINE = "offline"
     LIVE = "live"
 
@@ -40,7 +41,7 @@ def bench(
         typer.Option("--json", lazy=False, encoding="utf-8", help="Write the figures to this file."),
     ] = None,
 ) -> None:
-    """Measure the kernels beside C, an hour offline, and the sensor at work: losses, lateness, cost."""
+    """Measure kernels beside C, sessions read, an hour offline, and the sensor at work: losses, lateness."""
     from vsensor.bench.machine import machine
     from vsensor.bench.well import deep_well
 
@@ -71,6 +72,11 @@ def _run(
         yield from kernel.tables(seconds)
         say("whole ticks")
         yield from tick.tables(seconds, rates)
+    elif name is Benchmark.READING:
+        from vsensor.bench import reading
+
+        say("sessions, by columns and message by message")
+        yield from reading.tables(seconds)
     elif name is Benchmark.OFFLINE:
         from vsensor.bench import offline
 

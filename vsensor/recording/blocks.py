@@ -11,10 +11,8 @@ from mcap.records import Channel, Chunk, Message, Schema
 from mcap.stream_reader import get_chunk_data_stream
 
 from vsensor.recording.layout import (
-    END,
     MESSAGE_HEAD,
     RECORD_HEAD,
-    START,
     Bytes,
     Places,
     find_records,
@@ -22,38 +20,46 @@ from vsensor.recording.layout import (
 from vsensor.recording.scan import Scan
 
 BLOCK_BYTES = 2 << 20
-"""Chunks are joined to so much: below, NumPy's cost of a call counts; above, the processor's cache misses."""
+"""Messages of so many bytes are taken together: of fewer, NumPy's cost of a call would count."""
 
 
 class Block(NamedTuple):
     """Messages as they stand in the file, in its order."""
 
-    data: Bytes
+    data: Sequence[Bytes]
+    """The bytes, those of each chunk apart."""
     messages: Places
     """What `layout` finds of each, shape (n, 5)."""
+    ends: Places
+    """How many messages there are up to the end of each chunk, shape (chunks,)."""
 
 
 def blocks(scan: Scan) -> Iterator[Schema | Channel | Block]:
     """Yield a session's schemas and channels, and its messages in blocks: what tells of them comes before."""
-    waiting: list[Block] = []
+    waiting: list[tuple[Bytes, Places]] = []
     size = 0
     for record in scan.unpacked(unpack):
-        if isinstance(record, Message):
-            record = _alone(record)
-        if isinstance(record, Block):
-            waiting.append(record)
-            size += len(record.data)
-        elif isinstance(record, Schema | Channel):
+        if isinstance(record, Schema | Channel):
             yield record
+        elif isinstance(record, Message):
+            waiting.append(_alone(record))
+        elif isinstance(record, tuple):
+            waiting.append(record)
+            size += len(record[0])
         if size >= BLOCK_BYTES:
-            yield _joined(waiting)
+            yield _block(waiting)
             waiting, size = [], 0
     if waiting:
-        yield _joined(waiting)
+        yield _block(waiting)
 
 
-def unpack(chunk: Chunk) -> list[Schema | Channel | Block]:
-    """A chunk's schemas and channels, and its messages as a block. Raises where it is not sound."""
+def _block(parts: Sequence[tuple[Bytes, Places]]) -> Block:
+    messages = [found for _, found in parts]
+    return Block([data for data, _ in parts], np.concatenate(messages), np.cumsum(list(map(len, messages))))
+
+
+def unpack(chunk: Chunk) -> list[Schema | Channel | tuple[Bytes, Places]]:
+    """A chunk's schemas and channels; its bytes and the messages in them. Raises where it is not sound."""
     stream, size = get_chunk_data_stream(chunk, validate_crc=True)
     data = np.frombuffer(stream.read(size), np.uint8)
     messages = np.empty((size // (RECORD_HEAD + MESSAGE_HEAD) + 1, 5), np.int64)
@@ -61,7 +67,7 @@ def unpack(chunk: Chunk) -> list[Schema | Channel | Block]:
     found, beside = find_records(data, messages, others)
     if found < 0:
         raise ValueError("a chunk ends in the middle of a record")
-    return [*_described(data, others[:beside].tolist()), Block(data, messages[:found])]
+    return [*_described(data, others[:beside].tolist()), (data, messages[:found])]
 
 
 def _described(data: Bytes, places: Iterable[int]) -> Iterator[Schema | Channel]:
@@ -73,17 +79,8 @@ def _described(data: Bytes, places: Iterable[int]) -> Iterator[Schema | Channel]
             yield Channel.read(content)
 
 
-def _alone(message: Message) -> Block:
+def _alone(message: Message) -> tuple[Bytes, Places]:
     """A message that stands in no chunk."""
     data = np.frombuffer(message.data, np.uint8)
     times = message.log_time, message.publish_time
-    return Block(data, np.array([[message.channel_id, *times, 0, len(data)]], np.int64))
-
-
-def _joined(parts: Sequence[Block]) -> Block:
-    begins = np.cumsum([0, *(len(part.data) for part in parts)])
-    messages = np.concatenate([part.messages for part in parts])
-    shift = np.repeat(begins[:-1], [len(part.messages) for part in parts])
-    messages[:, START] += shift
-    messages[:, END] += shift
-    return Block(np.concatenate([part.data for part in parts]), messages)
+    return data, np.array([[message.channel_id, *times, 0, len(data)]], np.int64)

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from vsensor.recording.layout import (
     PUBLISH_TIME,
     START,
     VARINT,
+    Bytes,
     Places,
     find_fields,
     gather_doubles,
@@ -123,46 +125,58 @@ class _Reader:
         """This channel's messages of a block before which the session has so many."""
         place = np.flatnonzero(block.messages[:, CHANNEL] == channel)
         own = block.messages[place]
-        columns = self._messages(block, own) if self._whole else self._values(block, own)
+        chunks = _Chunks(block.data, np.searchsorted(place, block.ends).tolist())
+        columns = self._messages(chunks, own) if self._whole else self._values(chunks, own)
         self._before += len(own)
         return Columns(before + place, own[:, LOG_TIME], own[:, PUBLISH_TIME], *columns)
 
     def _messages(
-        self, block: Block, own: Places
+        self, chunks: "_Chunks", own: Places
     ) -> tuple[Mapping[str, Values], Mapping[str, Known], Sequence[Message]]:
-        spans = own[:, START:].tolist()
-        return {}, {}, [self._decoded(block, span[0], span[1], row) for row, span in enumerate(spans)]
+        return {}, {}, [self._decoded(chunks, own, row) for row in range(len(own))]
 
-    def _values(self, block: Block, own: Places) -> tuple[Mapping[str, Values], Mapping[str, Known]]:
-        starts, ends = own[:, START], own[:, END]
+    def _values(self, chunks: "_Chunks", own: Places) -> tuple[Mapping[str, Values], Mapping[str, Known]]:
         out = np.zeros((len(own), self._columns), np.uint64)
         set_ = np.zeros((len(own), self._columns), np.bool_)
         unusual = np.zeros(len(own), np.bool_)
-        find_fields(block.data, starts, ends, self._wanted, self._slots, out.T, set_.T, unusual)
-        others = {
-            row: self._decoded(block, int(starts[row]), int(ends[row]), row)
-            for row in np.flatnonzero(unusual).tolist()
-        }
+        for data, rows in chunks:
+            starts, ends = own[rows, START], own[rows, END]
+            find_fields(
+                data, starts, ends, self._wanted, self._slots, out[rows].T, set_[rows].T, unusual[rows]
+            )
+        others = {row: self._decoded(chunks, own, row) for row in np.flatnonzero(unusual).tolist()}
         values, known = {}, {}
         for field in self._fields:
             slot = self._slots[field.number]
             known[field.name] = set_[:, slot]
             values[field.name] = (
-                _lists(block, out[:, slot:], field, others)
+                _lists(chunks, out[:, slot:], field, others)
                 if field.is_repeated
                 else _numbers(out[:, slot], known[field.name], field, others)
             )
         return values, known
 
-    def _decoded(self, block: Block, start: int, end: int, row: int) -> Message:
+    def _decoded(self, chunks: "_Chunks", own: Places, row: int) -> Message:
         """A message by the general reader."""
+        data = next(data for data, rows in chunks if rows.start <= row < rows.stop)
         try:
-            return self._kind.FromString(block.data[start:end].tobytes())
+            return self._kind.FromString(data[own[row, START] : own[row, END]].tobytes())
         except DecodeError as error:
             raise InputError(
                 f"{self._session.path}: {self.topic}, message {self._before + row + 1}: "
                 f"cannot be decoded as {self._kind.DESCRIPTOR.full_name}: {error}"
             ) from error
+
+
+class _Chunks:
+    """The bytes of some chunks, and which rows of one channel's messages stand in each."""
+
+    def __init__(self, data: Sequence[Bytes], ends: Sequence[int]) -> None:
+        bounds = pairwise([0, *ends])
+        self._parts = [(part, slice(*rows)) for part, rows in zip(data, bounds, strict=True)]
+
+    def __iter__(self) -> Iterator[tuple[Bytes, slice]]:
+        return iter(self._parts)
 
 
 def _wire_type(field: FieldDescriptor) -> int:
@@ -186,14 +200,15 @@ def _numbers(
 
 
 def _lists(
-    block: Block, words: npt.NDArray[np.uint64], field: FieldDescriptor, others: Mapping[int, Message]
+    chunks: _Chunks, words: npt.NDArray[np.uint64], field: FieldDescriptor, others: Mapping[int, Message]
 ) -> Values:
     for row in others:
         words[row, COUNT] = 0
     general = {row: list(getattr(message, field.name)) for row, message in others.items()}
     most = max([int(words[:, COUNT].max(initial=0)), *map(len, general.values())])
     values = np.full((len(words), most), np.nan)
-    gather_doubles(block.data, words[:, FIRST], words[:, COUNT], values.view(np.uint64))
+    for data, rows in chunks:
+        gather_doubles(data, words[rows, FIRST], words[rows, COUNT], values[rows].view(np.uint64))
     for row, doubles in general.items():
         values[row, : len(doubles)] = doubles
     return values
