@@ -23,6 +23,7 @@ COMMANDS = {
     "verify": "Run a session's inputs again: every estimate must come out bit for bit.",
     "import": "Make a session of a table.",
     "export": "Make a table of a session.",
+    "report": "Tell what happened in a session, on one page.",
     "info": "Say what is in a session.",
     "recover": "Mend a torn session.",
     "paper": "Reproduce the paper's figures and tables, and judge them.",

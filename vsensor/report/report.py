@@ -1,0 +1,167 @@
+"""A session's report put together: gathered once, told in words, drawn."""
+
+from pathlib import Path
+
+import numpy as np
+
+from vsensor.config import loads
+from vsensor.errors import InputError, VsensorError
+from vsensor.recording.reader import Session
+from vsensor.recording.summary import Summary
+from vsensor.report import figures, plots, words
+from vsensor.report.figures import Severity, Skill
+from vsensor.report.gather import Story, gather
+from vsensor.report.page import folded, page, pair, place, section, table
+
+WINDOW_S = 20.0
+"""Of the severity, where the session's configuration does not tell."""
+_MOST_EVENTS = 60
+
+
+def report(session: Session) -> str:
+    """The report as HTML. Raises InputError where the session holds no estimates."""
+    story, summary = gather(session), session.summary()
+    severity = figures.rolled(story.confirmed_ns, story["confirmed_bit_speed_rad_s"], _window(session))
+    worst = figures.worst_window(story)
+    sticks = figures.sticking(story)
+    drawn = {
+        "over-time": plots.over_time(story, severity, worst),
+        "closely": plots.closely(story, worst),
+        "portrait": plots.portrait(story, _law(story)),
+        "by-horizon": plots.by_horizon(figures.skill(story), _of_late(story)),
+    }
+    if story.along is not None:
+        drawn["along"] = plots.along(story.along)
+    if len(story.lateness_s):
+        drawn["lateness"] = plots.lateness(story.lateness_s)
+    about = (
+        f"{summary.rig or 'a rig without a name'} · {words.began(summary.first_ns)} · "
+        f"{words.lasted(summary.duration_s)} · {session.path.name}"
+    )
+    said = (words.headline(story, severity, sticks), words.strained(story.along))
+    parts = _parts(session, story, summary, severity, (worst[1] - worst[0]) / 1e9, set(drawn))
+    return page(
+        f"Report: {session.path.name}",
+        about,
+        said,
+        words.keys(story, summary, severity, sticks),
+        parts,
+        drawn,
+    )
+
+
+def write(path: Path, html: str) -> None:
+    """Write a page; InputError where it cannot be."""
+    try:
+        path.write_text(html, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}") from error
+
+
+def _parts(
+    session: Session, story: Story, summary: Summary, severity: Severity, minute_s: float, drawn: set[str]
+) -> str:
+    along = (
+        place("along")
+        if "along" in drawn
+        else '<p class="note">The session holds no profiles of the string.</p>'
+    )
+    late = place("lateness") if "lateness" in drawn else '<p class="note">No loop ran: made offline.</p>'
+    return "".join(
+        (
+            section(
+                "The whole session",
+                "Bit and top of the string as confirmed. Each stretch too short to be drawn is shown by its "
+                f"least and greatest. Severity is (ω_max − ω_min) / (2 ω_mean) of the bit's speed over "
+                f"{severity.window_s:g} s: 0 is smooth, from 1 (dotted) on the bit stops. Shaded: the worst "
+                "stretch, shown below.",
+                place("over-time"),
+            ),
+            section(
+                f"The worst {minute_s:g} s",
+                "Every tick of the stretch in which bit and top were furthest apart (rms). Now was said at "
+                "the time, foretold as far ahead as the waves in the string tell; confirmed is what both "
+                "were held against later.",
+                place("closely"),
+            ),
+            section(
+                "How the bit and the rock got on",
+                "Where the bit was, the darker the oftener (by tenfold steps); red: the load law learned, "
+                f"{_law_words(story)}.",
+                place("portrait"),
+            ),
+            section(
+                "Along the string",
+                "The greatest torque and shear stress at each depth in the session, what the components "
+                "bear, and the least that was left, 100 % being no load.",
+                along,
+            ),
+            section(
+                "How well it was foretold",
+                "Root mean square of what was said less what was confirmed in the end.",
+                place("by-horizon"),
+            ),
+            pair(
+                section("Losses", "Everything that was counted as lost.", table(_losses(story, summary))),
+                section("The loop's lateness", "Wake-up after the deadline of each tick.", late),
+            ),
+            section("Events", "What was told to the driller.", table(_events(story))),
+            section(
+                "Configuration",
+                "As recorded with the session.",
+                folded("configuration.toml", session.configuration or "none was recorded")
+                + table([(name.replace("_", " "), told) for name, told in summary.metadata.items()]),
+            ),
+        )
+    )
+
+
+def _window(session: Session) -> float:
+    try:
+        return loads(session.configuration or "", str(session.path)).estimator.severity_window
+    except VsensorError:  # none, or one of another version: the report does without
+        return WINDOW_S
+
+
+def _law(story: Story) -> tuple[float, float, float, float] | None:
+    status = story.status
+    if status is None or not status.HasField("law_kinetic_nm"):
+        return None
+    return (
+        status.law_viscous_nm_s_rad,
+        status.law_kinetic_nm,
+        status.law_static_nm,
+        status.law_stribeck_rad_s,
+    )
+
+
+def _law_words(story: Story) -> str:
+    law = _law(story)
+    if law is None:
+        return "of which the session tells nothing"
+    viscous, kinetic, static, stribeck = law
+    return (
+        f"T = {viscous:.0f} N·m·s/rad · ω + {kinetic * plots.KNM:.2f} kN·m + "
+        f"{(static - kinetic) * plots.KNM:.2f} kN·m · exp(−ω / {stribeck * plots.RPM:.0f} rpm)"
+    )
+
+
+def _of_late(story: Story) -> Skill:
+    told = [
+        (skill.ahead_s, skill.speed_rms_rad_s, skill.torque_rms_nm)
+        for skill in (story.status.skill if story.status else ())
+    ]
+    return Skill(*np.array(told).reshape(-1, 3).T)
+
+
+def _losses(story: Story, summary: Summary) -> list[tuple[str, str]]:
+    return [
+        (name, "not counted" if count is None else f"{count}") for name, count in words.losses(story, summary)
+    ]
+
+
+def _events(story: Story) -> list[tuple[str, str]]:
+    first = int(story.time_ns[0])
+    told = [(f"{(event.time_ns - first) / 1e9:.1f} s", event.text or event.name) for event in story.events]
+    more = len(told) - _MOST_EVENTS
+    return told[:_MOST_EVENTS] + ([("…", f"{more} more")] if more > 0 else [])
