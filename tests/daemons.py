@@ -14,7 +14,7 @@ from typing import cast
 import zenoh
 
 from tests.rigs import Surface
-from vsensor.bus import Feed, Outbox, open_session
+from vsensor.bus import SURFACE_CACHE, Feed, Outbox, open_session
 from vsensor.config import Bus, Rig, effective_toml
 from vsensor.messages import BIT_ESTIMATE, SENSOR_EVENT, SENSOR_STATUS, Estimate, Event, Message, Status
 
@@ -88,7 +88,7 @@ class Post:
     def __init__(self, session: zenoh.Session, prefix: str) -> None:
         self.session = session
         self.prefix = prefix
-        self._outbox = Outbox(session, prefix, reliable=True)
+        self._outbox = Outbox(session, prefix, reliable=True, cache=SURFACE_CACHE)
         self._feed = Feed(session, prefix)
         self._heard: dict[str, list[Message]] = defaultdict(list)
 

@@ -6,13 +6,45 @@ from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 
 import zenoh
+from zenoh.ext import (
+    AdvancedPublisher,
+    AdvancedSubscriber,
+    CacheConfig,
+    HistoryConfig,
+    MissDetectionConfig,
+    RecoveryConfig,
+    declare_advanced_publisher,
+    declare_advanced_subscriber,
+)
 
 from vsensor.access import Role, is_locked, without_place, zenoh_config
 from vsensor.allowance import Allowance
 from vsensor.config import Bus
 from vsensor.errors import BusError
-from vsensor.messages import SENSOR_ALIVE, SENSOR_COMMAND, SURFACE, Message, Sample, message_type, surface
+from vsensor.messages import (
+    SENSOR_ALIVE,
+    SENSOR_COMMAND,
+    SENSOR_EVENT,
+    SENSOR_STATUS,
+    STRING_PROFILE,
+    SURFACE,
+    Message,
+    Sample,
+    message_type,
+    surface,
+)
 
+CACHE = 1 << 12
+"""Messages of a topic that are kept for those who were cut off: 40 s at 100 Hz, 4 s at 1 kHz."""
+SELDOM = {STRING_PROFILE: 100, SENSOR_STATUS: 60, SENSOR_EVENT: 1000}
+"""Topics that are larger, or come less often."""
+SURFACE_CACHE = 1 << 14
+"""A rig keeps more: 16 s at 1 kHz, and both channels of it find room in the inbox."""
+HEARTBEAT_S = 0.5
+"""How often a publisher tells what it sent last, so that a lost end is noticed."""
+HISTORY_S = 10.0
+"""Of what was sent before we came so much is asked for: a sensor that starts again need not warm up."""
+MISSES_CAPACITY = 1 << 10
 QUESTIONS_CAPACITY = 16
 """Of more that come at once the oldest go unanswered."""
 QUESTION_BYTES = 200
@@ -69,15 +101,17 @@ class SurfaceInbox:
         self._most_refused = most_refused
         # A backlog after a cut link is no flood: as much as waits here is let through at once.
         self._allowances = {topic: Allowance(max_rate, INBOX_CAPACITY) for topic in topics}
-        self._subscriber = session.declare_subscriber(
-            f"{prefix}/{SURFACE}", zenoh.handlers.RingChannel(INBOX_CAPACITY)
-        )
+        self._subscriber = recovering(session, f"{prefix}/{SURFACE}", INBOX_CAPACITY)
+        self._misses = self._subscriber.sample_miss_listener(zenoh.handlers.RingChannel(MISSES_CAPACITY))
+        self.missed = 0
+        """Samples that the bus knows to be lost: cut off for longer than the publisher's cache reaches."""
 
     def drain(self, more: Callable[[], bool] = lambda: True) -> Iterator[Received]:
         """Yield what has come since the last call, and no longer than there is time for `more`.
 
         Never waits, and ends even if ever more comes.
         """
+        self._count_missed()
         refused = 0
         for _ in range(INBOX_CAPACITY):
             if not more() or (raw := self._subscriber.try_recv()) is None:
@@ -93,6 +127,26 @@ class SurfaceInbox:
             refused += 1
             if refused == self._most_refused:  # refusing takes time too
                 return
+
+    def _count_missed(self) -> None:
+        while (miss := self._misses.try_recv()) is not None:
+            self.missed += miss.nb
+
+
+def recovering(
+    session: zenoh.Session, key: str, capacity: int
+) -> "AdvancedSubscriber[zenoh.handlers.Handler[zenoh.Sample]]":
+    """Subscribe so that what a cut of the link held back is asked for again, from the publisher's cache.
+
+    Samples of one publisher come in its order. A publisher without a cache is heard as by any subscriber.
+    """
+    return declare_advanced_subscriber(
+        session,
+        key,
+        zenoh.handlers.RingChannel(capacity),
+        history=HistoryConfig(detect_late_publishers=True, max_age=HISTORY_S),
+        recovery=RecoveryConfig(heartbeat=True, periodic_queries=None),
+    )
 
 
 def _decoded(topic: str, raw: zenoh.Sample) -> Received:
@@ -187,14 +241,16 @@ class Outbox:
     """Publishers below a rig's prefix, each declared at its first message.
 
     `reliable` waits where the network is slow (a rig or replay, which must not lose a sample);
-    without it a message that cannot be sent is dropped (the daemon, which must not wait).
+    without it a message that cannot be sent is dropped (the daemon, which must not wait). The last
+    `cache` messages of each topic are kept for those who were cut off (`recovering`).
     """
 
-    def __init__(self, session: zenoh.Session, prefix: str, *, reliable: bool) -> None:
+    def __init__(self, session: zenoh.Session, prefix: str, *, reliable: bool, cache: int = CACHE) -> None:
         self._session = session
+        self._cache = cache
         self._prefix = prefix
         self._congestion = zenoh.CongestionControl.BLOCK if reliable else zenoh.CongestionControl.DROP
-        self._publishers: dict[str, zenoh.Publisher] = {}
+        self._publishers: dict[str, AdvancedPublisher] = {}
 
     def put(self, topic: str, message: Message) -> bytes:
         """Publish a message; returns its bytes, which the recorder stores as they went out."""
@@ -202,13 +258,17 @@ class Outbox:
         self._publisher(topic).put(data)
         return data
 
-    def _publisher(self, topic: str) -> zenoh.Publisher:
+    def _publisher(self, topic: str) -> AdvancedPublisher:
         if topic not in self._publishers:
-            self._publishers[topic] = self._session.declare_publisher(
+            self._publishers[topic] = declare_advanced_publisher(
+                self._session,
                 f"{self._prefix}/{topic}",
                 encoding=surface.PROTOBUF,
                 congestion_control=self._congestion,
                 express=True,
+                cache=CacheConfig(min(self._cache, SELDOM.get(topic, self._cache))),
+                sample_miss_detection=MissDetectionConfig(heartbeat=HEARTBEAT_S, sporadic_heartbeat=None),
+                publisher_detection=True,
             )
         return self._publishers[topic]
 

@@ -60,7 +60,7 @@ def replay(
     max_gap: Annotated[float, typer.Option(help="Seconds to wait between sessions at most.", min=0)] = 10.0,
 ) -> None:
     """Publish sessions as if live. At a terminal space pauses, . steps, the arrows seek, q ends."""
-    from vsensor.bus import Outbox, open_session, wait_for_sensor
+    from vsensor.bus import SURFACE_CACHE, Outbox, open_session, wait_for_sensor
     from vsensor.cli.screen import Screen
     from vsensor.messages import SENSOR_EVENT, SURFACE_TOPICS
     from vsensor.recording.course import Course
@@ -79,7 +79,9 @@ def replay(
         if not wait_for_sensor(zenoh, prefix):
             typer.echo(f"nobody listens on {prefix} yet; publishing all the same", err=True)
         with Keyboard() as keyboard, Screen(console, course, prefix, speed, keyboard.listening) as screen:
-            put: Callable[[str, Message], object] = Outbox(zenoh, prefix, reliable=True).put
+            put: Callable[[str, Message], object] = Outbox(
+                zenoh, prefix, reliable=True, cache=SURFACE_CACHE
+            ).put
             if commands:
                 put = _commanding(put, zenoh, prefix, screen.say, publish=SENSOR_EVENT in chosen)
             count = play(

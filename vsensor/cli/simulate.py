@@ -20,7 +20,7 @@ def simulate(
     truth: TruthFile = None,
 ) -> None:
     """Publish surface torque and speed of a simulated rig, as a real one would."""
-    from vsensor.bus import Outbox, open_session, wait_for_sensor
+    from vsensor.bus import SURFACE_CACHE, Outbox, open_session, wait_for_sensor
     from vsensor.service.pace import MonotonicClock, Pace
     from vsensor.signals import until_signalled
     from vsensor.simulate.broadcast import broadcast
@@ -34,7 +34,7 @@ def simulate(
         console.print(f"rig {rig.rig.name}: {scenario} at {rig.loop.rate:g} Hz", highlight=False)
         done = broadcast(
             SimulatedRig(rig, PLANS[scenario], seed),
-            Outbox(session, rig.prefix, reliable=True).put,
+            Outbox(session, rig.prefix, reliable=True, cache=SURFACE_CACHE).put,
             (1 + slot.skipped for slot in Pace(rig.loop.rate, MonotonicClock()).slots()),
             samples=max(1, round(duration * rig.loop.rate)) if duration else 0,
             stopped=stopped,

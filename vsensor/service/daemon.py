@@ -157,6 +157,7 @@ class Daemon:
             self._tell(self._watch.note(*note))
         if self._keeper is not None:
             self._keeper.each_second()
+        self.health.bus_missed = self._inbox.missed
         level = self.health.second()
         self._engine.intake.forecast_shed = level >= NO_FORECAST
         for event in self._watch.shedding(level):

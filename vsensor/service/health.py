@@ -67,6 +67,8 @@ class Health:
         self.load = 0.0
         """Share of the last second that the loop worked."""
         self.shedding = Shedding()
+        self.bus_missed = 0
+        """Surface samples that the bus lost."""
         self.slots_run = 0
         self.slots_skipped = 0
         self.ticks = 0
@@ -179,6 +181,7 @@ class Health:
             if any(second):
                 setattr(status, f"{name}_p50_s", quantile_s(second, 0.5))
                 setattr(status, f"{name}_p99_s", quantile_s(second, 0.99))
+        status.bus_missed = self.bus_missed
         status.load = self.load
         status.shed = self.shedding.level
         status.sheddings = self.shedding.count
