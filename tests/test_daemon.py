@@ -297,7 +297,7 @@ def test_the_session_verifies(life: Life) -> None:
     result = CliRunner().invoke(main.app, ["verify", str(life.session)])
     assert (result.exit_code, result.output) == (
         0,
-        f"exact: {len(life.recorded(BIT_ESTIMATE))} estimates came out bit for bit\n",
+        f"{life.session}: exact: {len(life.recorded(BIT_ESTIMATE))} estimates came out bit for bit\n",
     )
 
 
