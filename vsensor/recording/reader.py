@@ -13,7 +13,7 @@ from mcap.well_known import MessageEncoding
 
 from vsensor.errors import InputError
 from vsensor.messages import SENSOR_STATE, SENSOR_TICK, SURFACE_TOPICS, Message, State, message_type
-from vsensor.recording.scan import Scan
+from vsensor.recording.scan import Scan, WholeReads
 from vsensor.recording.summary import Summary, summarise
 from vsensor.recording.writer import CONFIGURATION, METADATA, RECORDER
 
@@ -125,6 +125,10 @@ class Session:
 
 
 def _check_is_mcap(path: Path) -> None:
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise InputError(
+            f"{path}: is neither file nor folder; {_EXPECTED}"
+        )  # a pipe, to be waited at for ever
     try:
         with path.open("rb") as file:
             start = file.read(len(_MAGIC))
@@ -143,7 +147,7 @@ def _check_is_mcap(path: Path) -> None:
 def _open(path: Path) -> tuple[bool, Index | None, list[McapRecord]]:
     """Whether the file is complete, its index if it has one, and what it says of itself."""
     try:
-        with path.open("rb") as file:
+        with WholeReads(path) as file:
             reader = make_reader(file)
             index = reader.get_summary()
             if index is not None:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TypeVar
 
+import zstandard
 from mcap.exceptions import EndOfFile
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, McapRecord, Message, MessageIndex, Schema
@@ -19,15 +20,26 @@ from vsensor.errors import InputError
 
 Item = TypeVar("Item")
 
+PLAUSIBLE_BYTES = 64 << 20
+PLAUSIBLE_RATIO = 100
+"""No chunk is larger than the one, or than so many times its own bytes in the file, whatever it claims."""
 
-class _WholeReads(io.BufferedReader):
+
+class WholeReads(io.BufferedReader):
     """A file that gives all the bytes asked for, or none: the library does not look."""
 
-    def __init__(self, path: Path, size: int) -> None:
+    def __init__(self, path: Path) -> None:
         super().__init__(io.FileIO(path))
-        self._left = size
+        self._size = self._left = path.stat().st_size
+
+    def seek(self, offset: int, whence: int = io.SEEK_SET, /) -> int:
+        """Go to another place, and know what is left from there."""
+        at = super().seek(offset, whence)
+        self._left = self._size - at
+        return at
 
     def read(self, size: int | None = -1, /) -> bytes:
+        """Read so much; EndOfFile where so much is not left."""
         wanted = self._left if size is None or size < 0 else size
         if wanted > self._left:  # asked of us by a damaged length: do not make room for it
             raise EndOfFile
@@ -68,8 +80,7 @@ class Scan:
     def unpacked(self, unpack: Callable[[Chunk], Iterable[Item]]) -> Iterator[McapRecord | Item]:
         """Yield the records, and what `unpack` makes of each chunk; it raises where one is not sound."""
         try:
-            size = self._path.stat().st_size
-            with _WholeReads(self._path, size) as file:
+            with WholeReads(self._path) as file:
                 reader = _Records(file, emit_chunks=True)
                 yield from self._walk(reader, file, unpack)
         except OSError as error:
@@ -99,13 +110,13 @@ class Scan:
                 channels[record.id] = (schemas.get(record.schema_id), record)
 
     def _walk(
-        self, reader: StreamReader, file: _WholeReads, unpack: Callable[[Chunk], Iterable[Item]]
+        self, reader: StreamReader, file: WholeReads, unpack: Callable[[Chunk], Iterable[Item]]
     ) -> Iterator[McapRecord | Item]:
         records = reader.records
         while True:
             try:
                 record = next(records)
-                inner = unpack(record) if isinstance(record, Chunk) else (record,)
+                inner = unpack(_deserving(record)) if isinstance(record, Chunk) else (record,)
             except StopIteration:
                 self.finished = True
                 return
@@ -116,3 +127,19 @@ class Scan:
                 return
             self.whole_bytes = file.tell()
             yield from inner
+
+
+def _deserving(chunk: Chunk) -> Chunk:
+    """The chunk, unless to unpack it would take memory out of all proportion; ValueError then.
+
+    LZ4 packs no more than 255 bytes into one. Zstandard packs gigabytes of zeros into nothing, and the
+    library makes the room that its frame asks for.
+    """
+    most = max(PLAUSIBLE_BYTES, PLAUSIBLE_RATIO * len(chunk.data))
+    sizes = [chunk.uncompressed_size]
+    if chunk.compression == "zstd":
+        size = zstandard.get_frame_parameters(chunk.data).content_size
+        sizes += [] if size == zstandard.CONTENTSIZE_UNKNOWN else [size]
+    if max(sizes) > most:
+        raise ValueError(f"a chunk of {len(chunk.data)} bytes claims to hold {max(sizes)}")
+    return chunk

@@ -10,7 +10,7 @@ from mcap.stream_reader import StreamReader
 from mcap.summary import Summary as Index
 
 from vsensor.errors import InputError
-from vsensor.recording.scan import Scan
+from vsensor.recording.scan import Scan, WholeReads
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +90,7 @@ def _from_index(path: Path, index: Index | None) -> list[TopicSummary]:
     if index is None or index.statistics is None:
         raise InputError(f"{path}: has no index")
     found = []
-    with path.open("rb") as file:
+    with WholeReads(path) as file:
         for channel in index.channels.values():
             if count := index.statistics.channel_message_counts.get(channel.id, 0):
                 places = [
