@@ -280,7 +280,7 @@ def test_each_turn_is_in_the_histograms_and_quantiles_come_of_them(life: Life) -
 
 def test_ctrl_c_ends_it_well_and_the_session_is_complete(life: Life) -> None:
     assert life.exit_status == 0
-    assert f"recorded {life.session}" in life.said
+    assert f"event=recorded rig={SHORT.rig.name} path={life.session}" in life.said
     session = Session(life.session)
     assert session.complete
     assert session.recorder["ended"] == "closed by the daemon"

@@ -30,6 +30,7 @@ from vsensor.messages import (
     SURFACE,
     Message,
     Sample,
+    Status,
     message_type,
     surface,
 )
@@ -51,6 +52,10 @@ QUESTION_BYTES = 200
 """What a driller may say is far shorter."""
 INBOX_CAPACITY = 1 << 16
 """Samples that may wait for a tick: 30 s of two channels at 1 kHz, past which the oldest are lost."""
+
+
+ANSWER_S = 5.0
+"""A sensor that has not answered by then does not."""
 
 
 def open_session(bus: Bus, role: Role) -> zenoh.Session:
@@ -184,12 +189,20 @@ class Questions:
 
 def command(session: zenoh.Session, prefix: str, words: str) -> str:
     """Tell a sensor something; returns what it did. Raises BusError where it refuses or does not answer."""
-    for reply in session.get(f"{prefix}/{SENSOR_COMMAND}", payload=words, timeout=5.0):
+    for reply in session.get(f"{prefix}/{SENSOR_COMMAND}", payload=words, timeout=ANSWER_S):
         if reply.ok is not None:
             return reply.ok.payload.to_string()
         if reply.err is not None:
             raise BusError(reply.err.payload.to_string())
     raise BusError(f"no sensor answers at {prefix}/{SENSOR_COMMAND}: is the daemon (vsensor run) up?")
+
+
+def ask_status(session: zenoh.Session, prefix: str) -> Status:
+    """A sensor's status of this second. Raises BusError where none answers."""
+    for reply in session.get(f"{prefix}/{SENSOR_STATUS}", timeout=ANSWER_S):
+        if reply.ok is not None:
+            return Status.FromString(reply.ok.payload.to_bytes())
+    raise BusError(f"no sensor answers at {prefix}/{SENSOR_STATUS}: is the daemon (vsensor run) up?")
 
 
 class Feed:

@@ -217,6 +217,14 @@ class KeptState(Table):
     folder: Path = Path("state")
 
 
+class Metrics(Table):
+    """Where health is served to Prometheus and to probes."""
+
+    enabled: Switch = False
+    host: str = Field(default="127.0.0.1", min_length=1)
+    port: int = Field(default=9464, ge=1, le=65535, strict=True, description="a number from 1 to 65535")
+
+
 class View(Table):
     """How the live view shows the rig."""
 
@@ -253,6 +261,7 @@ class Rig(Table):
     bus: Bus = Bus()
     recording: Recording = Recording()
     state: KeptState = KeptState()
+    metrics: Metrics = Metrics()
     view: View = View()
 
     @model_validator(mode="after")

@@ -124,7 +124,7 @@ def process(*arguments: str, quiet: bool = True) -> Iterator[subprocess.Popen[st
 def await_ready(daemon: subprocess.Popen[str]) -> None:
     """Return when the daemon listens; VsensorError if it ends instead."""
     for line in daemon.stdout or ():
-        if line.strip() == "READY":
+        if "READY" in line:
             return
     raise VsensorError("the daemon ended before it was ready; it said why above")
 

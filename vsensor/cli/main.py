@@ -15,6 +15,7 @@ COMMANDS = {
     "demo": "Show the whole of it on this machine: simulated rig, sensor, recording, live view.",
     "check": "Explain a configuration: delays, impedances, modes, and what looks odd.",
     "run": "Run the virtual sensor beside a rig's telemetry.",
+    "status": "Ask a running sensor how it is, and show it live.",
     "tell": "Tell a running sensor that the bit is off bottom, or that the string has grown.",
     "view": "Show a running sensor live.",
     "simulate": "Publish a simulated rig's surface torque and speed.",

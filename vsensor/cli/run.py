@@ -1,6 +1,5 @@
 """`vsensor run`: the daemon."""
 
-import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import fields
@@ -8,13 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
-from rich.markup import escape
 
+from vsensor.cli.log import Form, logging
 from vsensor.config import Rig, effective_toml, load
 
 if TYPE_CHECKING:
+    from structlog.typing import FilteringBoundLogger
+
     from vsensor.messages import Status
+    from vsensor.metrics.exporter import Exporter
     from vsensor.recording.recorder import Recorder
     from vsensor.service.engine import Engine
     from vsensor.service.keeper import Keeper
@@ -24,36 +25,64 @@ FINISH_S = 30.0
 """How long the recorder may take to complete the file."""
 
 
-def run(config: Annotated[Path, typer.Argument(help="The rig: a TOML file.")]) -> None:
+def run(
+    config: Annotated[Path, typer.Argument(help="The rig: a TOML file.")],
+    log: Annotated[
+        Form, typer.Option(help="How lines are written; auto: text on a terminal, else logfmt.")
+    ] = Form.AUTO,
+) -> None:
     """Run the virtual sensor beside a rig's telemetry until Ctrl-C or SIGTERM."""
     from vsensor.bus import open_session
+    from vsensor.cli.teller import Teller
     from vsensor.service.daemon import Daemon
     from vsensor.service.engine import Engine
     from vsensor.service.pace import MonotonicClock, Pace
     from vsensor.service.realtime import achieve
+    from vsensor.service.systemd import Supervisor
     from vsensor.signals import until_signalled
 
-    console = Console()
     rig = load(config)
-    with until_signalled() as stopped:
+    supervisor = Supervisor()
+    with until_signalled() as stopped, logging(log, rig=rig.rig.name) as say:
         engine = Engine(rig)
         with ExitStack() as last:
             session = last.enter_context(open_session(rig.bus, "daemon"))
-            keeper = last.enter_context(_kept(rig, engine, console))
+            exporter = last.enter_context(_exporter(rig, say))
+            keeper = last.enter_context(_kept(rig, engine, say))
             achieved = achieve(rig.loop)
-            recorder = last.enter_context(_recorder(rig, achieved, console))
+            recorder = last.enter_context(_recorder(rig, achieved, say))
             daemon = Daemon(rig, engine, session, recorder, achieved, keeper)
-            _introduce(console, rig, engine.estimator.confirmed_delay, engine.estimator.forecast_horizon)
-            _tell_achieved(console, achieved)
-            console.print("READY")
-            teller = Teller(console, recorder)
-            pace = Pace(rig.loop.rate, MonotonicClock())
-            daemon.run(pace, lambda status: teller.tell(status, daemon.fault), stopped)
-        _account(console, daemon.status)
+            _introduce(say, rig, engine.estimator.confirmed_delay, engine.estimator.forecast_horizon)
+            _tell_achieved(say, achieved)
+            teller = Teller(say, recorder)
+            supervisor.ready()
+            say.info("READY")
+
+            def each_second(status: "Status") -> None:
+                supervisor.each_second(status)
+                teller.tell(status, daemon.fault, daemon.news())
+                if exporter is not None:
+                    exporter.tell(status)
+
+            daemon.run(Pace(rig.loop.rate, MonotonicClock()), each_second, stopped)
+            supervisor.stopping()
+        _account(say, daemon.status)
 
 
 @contextmanager
-def _recorder(rig: Rig, achieved: "Achieved", console: Console) -> "Iterator[Recorder]":
+def _exporter(rig: Rig, say: "FilteringBoundLogger") -> "Iterator[Exporter | None]":
+    if not rig.metrics.enabled:
+        yield None
+        return
+    from vsensor.metrics.exporter import Exporter
+
+    with Exporter(rig.metrics) as exporter:
+        say.info("metrics", at=f"http://{rig.metrics.host}:{rig.metrics.port}/metrics")
+        yield exporter
+
+
+@contextmanager
+def _recorder(rig: Rig, achieved: "Achieved", say: "FilteringBoundLogger") -> "Iterator[Recorder]":
     from vsensor.provenance import provenance
     from vsensor.recording.limits import Limits
     from vsensor.recording.names import session_path
@@ -74,13 +103,13 @@ def _recorder(rig: Rig, achieved: "Achieved", console: Console) -> "Iterator[Rec
     finally:
         completed = recorder.close(FINISH_S)
         for path in recorder.complete:
-            console.print(f"recorded {escape(path)}", soft_wrap=True)
+            say.info("recorded", path=path)
         if not completed:
-            console.print(f"[red]not complete:[/] {escape(recorder.trouble())}", soft_wrap=True)
+            say.error("not complete", why=recorder.trouble())
 
 
 @contextmanager
-def _kept(rig: Rig, engine: "Engine", console: Console) -> "Iterator[Keeper | None]":
+def _kept(rig: Rig, engine: "Engine", say: "FilteringBoundLogger") -> "Iterator[Keeper | None]":
     """What was learned before, taken up; and what will be, kept."""
     from vsensor.service.keeper import Keeper, path_of
 
@@ -89,83 +118,43 @@ def _kept(rig: Rig, engine: "Engine", console: Console) -> "Iterator[Keeper | No
         return
     keeper = Keeper(path_of(rig), rig, engine)
     if keeper.begun:
-        console.print(escape(keeper.begun), soft_wrap=True, highlight=False)
+        say.info("learned before", what=keeper.begun)
     try:
         yield keeper
     finally:
         keeper.close()
         if keeper.trouble:
-            console.print(f"[red]what was learned is lost:[/] {escape(keeper.trouble)}", soft_wrap=True)
+            say.error("what was learned is lost", why=keeper.trouble)
 
 
-def _introduce(console: Console, rig: Rig, delay: float, horizon: float) -> None:
-    console.print(
-        f"rig [bold]{rig.rig.name}[/]: {rig.loop.rate:g} Hz, samples awaited on {rig.prefix}/surface/… "
-        f"at {', '.join(rig.bus.listen)}\n"
-        f"the bit is confirmed {delay:.2f} s late, told for now, and foretold {horizon:.2f} s ahead",
-        soft_wrap=True,
-        highlight=False,
-    )
+def _introduce(say: "FilteringBoundLogger", rig: Rig, delay: float, horizon: float) -> None:
+    say.info("listening", at=",".join(rig.bus.listen), to=f"{rig.prefix}/surface/*", rate_hz=rig.loop.rate)
+    say.info("the bit", confirmed_late_s=round(delay, 2), foretold_ahead_s=round(horizon, 2))
 
 
-def _tell_achieved(console: Console, achieved: "Achieved") -> None:
+def _tell_achieved(say: "FilteringBoundLogger", achieved: "Achieved") -> None:
     if achieved.asked != "off":
-        console.print(escape(achieved.words), soft_wrap=True, highlight=False)
+        say.info("real time", granted=achieved.words)
     for refused in achieved.refused:
-        console.print(f"[yellow]not granted:[/] {escape(refused)}", soft_wrap=True, highlight=False)
+        say.warning("not granted", what=refused)
 
 
-class Teller:
-    """Says each change of state once, rather than each second the same."""
-
-    def __init__(self, console: Console, recorder: "Recorder") -> None:
-        self._console = console
-        self._recorder = recorder
-        self._state = ""
-        self._path = ""
-        self._trouble = ""
-        self._fault = ""
-        self._dropped = 0
-
-    def tell(self, status: "Status", fault: str) -> None:
-        """Hear the status of this second, and what was wrong with the last unreadable sample."""
-        if fault != self._fault:
-            self._fault = fault
-            self._console.print(f"[red]refused:[/] {escape(fault)}", soft_wrap=True, highlight=False)
-        if status.state != self._state:
-            self._state = status.state
-            self._console.print(f"{time.strftime('%H:%M:%S')} {status.state}", highlight=False)
-        self._tell_of_recorder()
-        if status.recorder_dropped > self._dropped and not self._trouble:
-            self._dropped = status.recorder_dropped
-            self._console.print(f"[red]not recorded:[/] {self._dropped} messages so far", highlight=False)
-
-    def _tell_of_recorder(self) -> None:
-        if (trouble := self._recorder.trouble()) != self._trouble:
-            self._trouble = trouble
-            if trouble:
-                self._console.print(f"[red]no longer recorded:[/] {escape(trouble)}", soft_wrap=True)
-        if (path := self._recorder.path) != self._path:
-            self._path = path
-            if path:
-                self._console.print(f"recording into {escape(path)}", soft_wrap=True, highlight=False)
-            elif not trouble:
-                self._console.print("recording has ended", highlight=False)
-
-
-def _account(console: Console, status: "Status") -> None:
+def _account(say: "FilteringBoundLogger", status: "Status") -> None:
     from vsensor.messages.books import refused
 
-    console.print(
-        f"{status.slots_run} of {status.slots_due} slots run, {status.ticks} ticks, "
-        f"{status.published} estimates published, {status.recorder_dropped} messages not recorded",
-        highlight=False,
-        soft_wrap=True,
+    say.info(
+        "ended",
+        slots_run=status.slots_run,
+        slots_due=status.slots_due,
+        ticks=status.ticks,
+        published=status.published,
+        not_recorded=status.recorder_dropped,
     )
     for channel in status.channels:
-        console.print(
-            f"{channel.channel}: {channel.received} received, {channel.accepted} accepted, "
-            f"{refused(channel)} refused, {channel.lost} lost on the way",
-            highlight=False,
-            soft_wrap=True,
+        say.info(
+            f"{channel.channel} in all",
+            received=channel.received,
+            accepted=channel.accepted,
+            refused=refused(channel),
+            lost=channel.lost,
         )

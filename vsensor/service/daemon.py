@@ -75,6 +75,7 @@ class Daemon:
         self._longest_ns = round(max(LONGEST_TURN_S, 0.5 / rig.loop.rate) * NS)
         self.fault = ""
         """What made the last unreadable sample unreadable."""
+        self._news: list[Event] = []
         self._owed = 0
         self._owed_until = 0
         self._questions = Questions(session, f"{rig.prefix}/{SENSOR_STATUS}")
@@ -183,7 +184,13 @@ class Daemon:
             return "waiting for samples"
         return "running" if self._engine.warm else "warming up"
 
+    def news(self) -> list[Event]:
+        """The events since the last call."""
+        news, self._news = self._news, []
+        return news
+
     def _tell(self, event: Event) -> None:
+        self._news.append(event)
         self._publish(SENSOR_EVENT, event, event.time_ns)
 
     def _publish(self, topic: str, message: Message, publish_time_ns: int) -> None:

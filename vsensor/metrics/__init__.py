@@ -1,0 +1,1 @@
+"""The daemon's health for Prometheus and probes, by a process that the loop never waits for."""
