@@ -53,7 +53,6 @@ QUESTION_BYTES = 200
 INBOX_CAPACITY = 1 << 16
 """Samples that may wait for a tick: 30 s of two channels at 1 kHz, past which the oldest are lost."""
 
-
 ANSWER_S = 5.0
 """A sensor that has not answered by then does not."""
 
