@@ -20,11 +20,13 @@ from vsensor.messages import BIT_ESTIMATE, SENSOR_EVENT, SENSOR_STATUS, Estimate
 
 PATIENCE_S = 60.0
 """Only a test that fails waits so long."""
+START_S = 300.0
+"""A first start compiles the kernels, on a machine that may have much else to do."""
 
 
-def wait_until(true: Callable[[], bool], what: str) -> None:
+def wait_until(true: Callable[[], bool], what: str, patience_s: float = PATIENCE_S) -> None:
     """Look again and again until it is true; AssertionError where it does not become so."""
-    deadline = time.monotonic() + PATIENCE_S
+    deadline = time.monotonic() + patience_s
     while not true():
         assert time.monotonic() < deadline, f"waited in vain for: {what}"
         time.sleep(0.01)
@@ -73,7 +75,7 @@ class Daemon:
 
     def await_saying(self, text: str) -> None:
         """Wait until it has said this."""
-        wait_until(lambda: text in self.said or self.process.poll() is not None, text)
+        wait_until(lambda: text in self.said or self.process.poll() is not None, text, START_S)
         assert text in self.said, self.said
 
     def end(self, number: signal.Signals = signal.SIGTERM) -> int:

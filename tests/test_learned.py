@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from tests.daemons import Daemon, daemon, post, wait_until
+from tests.daemons import daemon, post, wait_until
 from tests.rigs import SHORT, samples, simulated
 from tests.strings import PIPE
 from vsensor.bus import command
@@ -147,15 +147,14 @@ def test_a_daemon_that_was_killed_goes_on_with_its_length_and_its_session_is_exa
         wait_until(lambda: len(sensor.sessions) == 1, "a complete session")
     assert path_of(sensor.rig).is_file()
 
-    second = Daemon(SHORT, bus, tmp_path)
-    second.await_saying("READY")
-    assert "goes on with what was learned until" in second.said
-    assert "1230.0 m" in second.said
-    with post(second) as rig:
-        rig.send(samples(readings, time.time_ns()))
-        status = rig.await_status(lambda status: status.ticks == len(readings), "all ticks")
-        assert status.string_length_m == 1230
-    assert second.end(signal.SIGTERM) == 0
+    with daemon(SHORT, bus, tmp_path) as second:
+        assert "goes on with what was learned until" in second.said
+        assert "1230.0 m" in second.said
+        with post(second) as rig:
+            rig.send(samples(readings, time.time_ns()))
+            status = rig.await_status(lambda status: status.ticks == len(readings), "all ticks")
+            assert status.string_length_m == 1230
+        assert second.end(signal.SIGTERM) == 0
     path = second.sessions[-1]
     told = [r.message.name for r in Session(path).messages((SENSOR_EVENT,)) if isinstance(r.message, Event)]
     assert "learned" in told
