@@ -42,7 +42,7 @@ def free_bus() -> Bus:
 class Daemon:
     """`vsensor run` as a process, with a folder and a port of its own."""
 
-    def __init__(self, rig: Rig, bus: Bus, folder: Path) -> None:
+    def __init__(self, rig: Rig, bus: Bus, folder: Path, *options: str) -> None:
         recording = rig.recording.model_copy(update={"folder": folder / "recordings"})
         state = rig.state.model_copy(update={"folder": folder / "state"})
         self.rig = rig.model_copy(update={"bus": bus, "recording": recording, "state": state})
@@ -51,7 +51,7 @@ class Daemon:
         self._log = folder / "said.txt"
         with self._log.open("wb") as log:
             self.process = subprocess.Popen(
-                [sys.executable, "-m", "vsensor.cli.main", "run", str(self.config)],
+                [sys.executable, "-m", "vsensor.cli.main", "run", str(self.config), *options],
                 stdout=log,
                 stderr=subprocess.STDOUT,
             )
@@ -130,9 +130,9 @@ class Post:
 
 
 @contextmanager
-def daemon(rig: Rig, bus: Bus, folder: Path) -> Iterator[Daemon]:
+def daemon(rig: Rig, bus: Bus, folder: Path, *options: str) -> Iterator[Daemon]:
     """A daemon that listens, ended at the latest on leaving."""
-    started = Daemon(rig, bus, folder)
+    started = Daemon(rig, bus, folder, *options)
     try:
         started.await_saying("READY")
         yield started

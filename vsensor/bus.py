@@ -263,11 +263,14 @@ class Outbox:
         self._prefix = prefix
         self._congestion = zenoh.CongestionControl.BLOCK if reliable else zenoh.CongestionControl.DROP
         self._publishers: dict[str, AdvancedPublisher] = {}
+        self.muted = False
+        """Nothing goes out: another speaks."""
 
     def put(self, topic: str, message: Message) -> bytes:
         """Publish a message; returns its bytes, which the recorder stores as they went out."""
         data = message.SerializeToString()
-        self._publisher(topic).put(data)
+        if not self.muted:
+            self._publisher(topic).put(data)
         return data
 
     def _publisher(self, topic: str) -> AdvancedPublisher:

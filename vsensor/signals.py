@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM as a question that a loop asks itself, so that it ends between two turns."""
+"""Signals that a loop hears between two turns: Ctrl-C and SIGTERM end it, SIGHUP tells it something."""
 
 import signal
 from collections.abc import Callable, Iterator
@@ -19,3 +19,13 @@ def until_signalled() -> Iterator[Callable[[], bool]]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+@contextmanager
+def at_hangup(then: Callable[[], None]) -> Iterator[None]:
+    """Within, SIGHUP ends nothing, and `then` is called in the main thread."""
+    before = signal.signal(signal.SIGHUP, lambda _number, _frame: then())
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGHUP, before)

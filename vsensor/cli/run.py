@@ -27,23 +27,32 @@ FINISH_S = 30.0
 
 def run(
     config: Annotated[Path, typer.Argument(help="The rig: a TOML file.")],
+    stand_by: Annotated[
+        bool, typer.Option("--stand-by", help="Say nothing while another sensor of this rig does.")
+    ] = False,
     log: Annotated[
         Form, typer.Option(help="How lines are written; auto: text on a terminal, else logfmt.")
     ] = Form.AUTO,
 ) -> None:
-    """Run the virtual sensor beside a rig's telemetry until Ctrl-C or SIGTERM."""
+    """Run the virtual sensor beside a rig's telemetry until Ctrl-C or SIGTERM; SIGHUP reads CONFIG again."""
     from vsensor.bus import open_session
     from vsensor.cli.teller import Teller
     from vsensor.service.daemon import Daemon
     from vsensor.service.engine import Engine
     from vsensor.service.pace import MonotonicClock, Pace
     from vsensor.service.realtime import achieve
+    from vsensor.service.reload import Reload
     from vsensor.service.systemd import Supervisor
-    from vsensor.signals import until_signalled
+    from vsensor.signals import at_hangup, until_signalled
 
     rig = load(config)
     supervisor = Supervisor()
-    with until_signalled() as stopped, logging(log, rig=rig.rig.name) as say:
+    reload = Reload(config)
+    with (
+        until_signalled() as stopped,
+        at_hangup(reload.begin),
+        logging(log, rig=rig.rig.name) as say,
+    ):
         engine = Engine(rig)
         with ExitStack() as last:
             session = last.enter_context(open_session(rig.bus, "daemon"))
@@ -51,7 +60,7 @@ def run(
             keeper = last.enter_context(_kept(rig, engine, say))
             achieved = achieve(rig.loop)
             recorder = last.enter_context(_recorder(rig, achieved, say))
-            daemon = Daemon(rig, engine, session, recorder, achieved, keeper)
+            daemon = Daemon(rig, engine, session, recorder, achieved, keeper, reload, stand_by=stand_by)
             _introduce(say, rig, engine.estimator.confirmed_delay, engine.estimator.forecast_horizon)
             _tell_achieved(say, achieved)
             teller = Teller(say, recorder)

@@ -5,16 +5,15 @@ from collections.abc import Callable, Iterator
 
 import zenoh
 
-from vsensor.bus import Outbox, Questions, Received, SurfaceInbox
+from vsensor.bus import Outbox, Received, SurfaceInbox
 from vsensor.commands import obey
 from vsensor.config import Rig
+from vsensor.errors import VsensorError
 from vsensor.intake import NS
 from vsensor.messages import (
     BIT_ESTIMATE,
     BIT_SPEED,
     BIT_TORQUE,
-    SENSOR_ALIVE,
-    SENSOR_COMMAND,
     SENSOR_EVENT,
     SENSOR_STATUS,
     SENSOR_TICK,
@@ -28,15 +27,16 @@ from vsensor.messages import (
     Status,
     Tick,
 )
-from vsensor.messages.surface import PROTOBUF
 from vsensor.service.describe import Describer
 from vsensor.service.engine import Engine
 from vsensor.service.health import Health
 from vsensor.service.keeper import Keeper
 from vsensor.service.pace import Pace, Slot
 from vsensor.service.profile import Profiler
-from vsensor.service.realtime import Achieved, settle
+from vsensor.service.realtime import Achieved, achieve, settle
 from vsensor.service.recording import Recorder, Recording
+from vsensor.service.reload import Reload
+from vsensor.service.seat import Seat
 from vsensor.service.shed import NO_FORECAST, NO_PROFILE
 from vsensor.service.watch import Watch
 
@@ -57,6 +57,9 @@ class Daemon:
         recorder: Recorder | None,
         realtime: Achieved,
         keeper: Keeper | None = None,
+        reload: Reload | None = None,
+        *,
+        stand_by: bool = False,
     ) -> None:
         self._rig = rig
         self._engine = engine
@@ -78,9 +81,9 @@ class Daemon:
         self._news: list[Event] = []
         self._owed = 0
         self._owed_until = 0
-        self._questions = Questions(session, f"{rig.prefix}/{SENSOR_STATUS}")
-        self._commands = Questions(session, f"{rig.prefix}/{SENSOR_COMMAND}")
-        self._alive = session.liveliness().declare_token(f"{rig.prefix}/{SENSOR_ALIVE}")
+        self._reload = reload
+        self._seat = Seat(session, rig.prefix, stand_by=stand_by)
+        self._outbox.muted = not self._seat.taken
 
     def run(self, pace: Pace, told: Callable[[Status], None], stopped: Callable[[], bool]) -> None:
         """Turn once each slot until told to stop; `told` hears the status of each second."""
@@ -104,11 +107,12 @@ class Daemon:
                 break
         self._each_second()
         self._hand_on()
+        if self._keeper is not None and self._seat.taken:
+            self._keeper.save()
 
     def _turn(self, slot: Slot) -> None:
         self._count_owed(slot)
-        self._questions.answer(lambda _words: self.status.SerializeToString(), encoding=PROTOBUF)
-        self._commands.answer(self._obey)
+        self._seat.answer(self.status.SerializeToString, self._obey)
         until = time.monotonic_ns() + self._longest_ns
         for received in self._inbox.drain(lambda: time.monotonic_ns() < until):
             if received.over_rate:
@@ -156,8 +160,12 @@ class Daemon:
     def _each_second(self) -> None:
         for note in self._recording.each_second() if self._recording is not None else ():
             self._tell(self._watch.note(*note))
-        if self._keeper is not None:
+        if words := self._seat.look():
+            self._outbox.muted = not self._seat.taken
+            self._tell(self._watch.note("seat", self._seat.taken, words))
+        if self._keeper is not None and self._seat.taken:
             self._keeper.each_second()
+        self._read_again()
         self.health.bus_missed = self._inbox.missed
         level = self.health.second()
         self._engine.intake.forecast_shed = level >= NO_FORECAST
@@ -170,6 +178,20 @@ class Daemon:
         if description := self._describer.second():
             self._publish(STRING_DESCRIPTION, description, description.time_ns)
 
+    def _read_again(self) -> None:
+        """Take up what may change of a configuration that was read again."""
+        if self._reload is None or (result := self._reload.result(self._rig)) is None:
+            return
+        rig, done = result
+        if rig.loop != self._rig.loop:
+            try:
+                self.health.realtime = achieve(rig.loop, self.health.realtime.others)
+            except VsensorError as error:
+                rig, done = self._rig, f"refused: {error}"
+                achieve(rig.loop, self.health.realtime.others)
+        self._rig = rig
+        self._tell(self._watch.note("configuration", True, f"the configuration was read again: {done}"))
+
     def _each_second_seen(self) -> Iterator[Event]:
         yield from self._watch.second(self.health.severity, self.health.input_lost)
         if event := self._watch.corrections(*self._engine.estimator.tuning.tolist()):
@@ -178,6 +200,8 @@ class Daemon:
             yield event
 
     def _state(self) -> str:
+        if not self._seat.taken:
+            return "standing by"
         if self.health.input_lost:
             return "input lost"
         if self.health.ticks == 0:

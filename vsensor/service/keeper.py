@@ -74,15 +74,15 @@ class Keeper:
         """Have it saved, where that is due and the last saving is done."""
         longer = self._engine.intake.depths.length != self._length
         if (longer or time.monotonic() >= self._due_s) and self._orders.empty():
-            self._save()
+            self.save()
 
     def close(self) -> None:
-        """Save for the last time."""
-        self._save()
+        """Wait for the last saving."""
         self._orders.put(None)
         self._thread.join(END_S)
 
-    def _save(self) -> None:
+    def save(self) -> None:
+        """Have it saved now."""
         self._length = self._engine.intake.depths.length
         self._due_s = time.monotonic() + EVERY_S
         self._orders.put(learned(self._rig, self._engine.intake, self._engine.estimator))

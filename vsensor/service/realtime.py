@@ -4,12 +4,13 @@ Scheduling and processors are those of the calling thread alone: threads and pro
 there keep theirs, and those that it starts later are ordinary ones (SCHED_RESET_ON_FORK).
 """
 
+import contextlib
 import ctypes
 import gc
 import os
 import resource
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import NamedTuple
 
@@ -56,11 +57,14 @@ class Achieved(NamedTuple):
         }
 
 
-def achieve(loop: Loop) -> Achieved:
+def achieve(loop: Loop, others: Collection[int] = ()) -> Achieved:
     """Ask for what the configuration wants, for the calling thread. Call once all else has been started.
 
-    Raises VsensorError where `require` is not granted, with what would help.
+    Asked again, give the `others` of before. Raises VsensorError where `require` is not granted, with what
+    would help.
     """
+    if others:
+        _step_back(others)
     others = tuple(sorted(os.sched_getaffinity(0)))
     asked: tuple[Callable[[Loop], str], ...] = (_take_priority, _lock_memory, _take_processors)
     told = [ask(loop) for ask in asked] if loop.realtime != "off" else []
@@ -73,6 +77,15 @@ def achieve(loop: Loop) -> Achieved:
     return Achieved(
         loop.realtime, _scheduling(), tuple(sorted(os.sched_getaffinity(0))), others, locked, refused
     )
+
+
+def _step_back(processors: Collection[int]) -> None:
+    """As before anything was asked for."""
+    with contextlib.suppress(OSError):
+        os.sched_setaffinity(0, processors)
+    with contextlib.suppress(OSError):
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+    _libc().munlockall()
 
 
 def settle() -> None:

@@ -1,0 +1,83 @@
+"""A configuration read again while the sensor runs: what may change without a new start, and what may not."""
+
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from vsensor.config import Rig, load
+from vsensor.errors import ConfigError
+
+SAFE = ("loop.realtime", "loop.priority", "loop.processors", "view")
+"""Keys, or tables, that the estimates do not hang on, and that can be taken up between two ticks."""
+
+
+def changes(before: Rig, after: Rig) -> dict[str, str]:
+    """Each key that differs, with what it was and is."""
+    was, now = dict(_flat(before.model_dump(mode="json"))), dict(_flat(after.model_dump(mode="json")))
+    return {
+        key: f"{_shown(was.get(key))} → {_shown(now.get(key))}"
+        for key in dict.fromkeys((*was, *now))
+        if was.get(key) != now.get(key)
+    }
+
+
+def is_safe(key: str) -> bool:
+    """Whether a key may change while the sensor runs."""
+    return any(key == safe or key.startswith(f"{safe}.") for safe in SAFE)
+
+
+class Reload:
+    """Reads a file again in a thread of its own; the loop asks what came of it."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._thread: threading.Thread | None = None
+        self._came: list[Rig | ConfigError] = []
+
+    def begin(self) -> None:
+        """Read it, unless it is being read."""
+        if self._thread is None:
+            self._came.clear()
+            self._thread = threading.Thread(target=self._read, name="reload", daemon=True)
+            self._thread.start()
+
+    def result(self, now: Rig) -> tuple[Rig, str] | None:
+        """The configuration from now on, and what was done; None while nothing has come.
+
+        Nothing of a file is taken up where any of its changes needs a new start.
+        """
+        if self._thread is None or self._thread.is_alive():
+            return None
+        self._thread = None
+        read = self._came.pop() if self._came else ConfigError(f"{self._path}: cannot be read")
+        if isinstance(read, ConfigError):
+            return now, f"refused: {read}"
+        changed = changes(now, read)
+        if not changed:
+            return now, "nothing has changed"
+        if unsafe := {key: change for key, change in changed.items() if not is_safe(key)}:
+            told = "; ".join(f"{key} {change}" for key, change in unsafe.items())
+            return now, f"refused: {told}: needs a new start, for estimates or connections hang on it"
+        return read, "taken up: " + "; ".join(f"{key} {change}" for key, change in changed.items())
+
+    def _read(self) -> None:
+        try:
+            self._came.append(load(self._path))
+        except ConfigError as error:
+            self._came.append(error)
+
+
+def _flat(table: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    if isinstance(table, dict):
+        for key, value in table.items():
+            yield from _flat(value, f"{path}.{key}" if path else key)
+    elif isinstance(table, list) and table and isinstance(table[0], dict):
+        for number, value in enumerate(table, 1):
+            yield from _flat(value, f"{path}[{number}]")
+    else:
+        yield path, table
+
+
+def _shown(value: Any) -> str:
+    return "none" if value is None else str(value)
