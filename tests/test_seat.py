@@ -76,7 +76,7 @@ def test_one_that_stands_by_is_silent_and_takes_the_place_of_one_that_was_killed
         assert told == sorted(set(told))  # each once: one speaks
         command(hub.session, hub.prefix, "longer 30 m")
         first.end(signal.SIGKILL)
-        second.await_saying("running")
+        second.await_saying("taking its place")
         wait_until(lambda: wait_for_sensor(hub.session, hub.prefix), "the second sensor")
         hub.send(feed[half:])
         status = hub.await_status(lambda status: status.ticks == len(READINGS), "all ticks of the second")
