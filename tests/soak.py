@@ -212,7 +212,7 @@ def soak(rig: Rig, seconds: float, seed: int, folder: Path, say: Callable[[str],
                 troubled = TroubledRig(outbox, session, rig.prefix, rig.loop.rate, seed)
                 _suffer(Soak(sensor, wire, viewer, troubled), troubled, chance, seconds, say)
                 troubled.flush()
-                status = _settled(heard, troubled.books)
+                status = _settled(heard, troubled.books, sensor)
         finally:
             viewer.kill()
             viewer.wait()
@@ -243,11 +243,14 @@ def _live(rig: TroubledRig, seconds: float) -> None:
         time.sleep(0.001)
 
 
-def _settled(heard: "zenoh.Subscriber[zenoh.handlers.Handler[zenoh.Sample]]", books: Books) -> Status:
+def _settled(
+    heard: "zenoh.Subscriber[zenoh.handlers.Handler[zenoh.Sample]]", books: Books, sensor: Daemon
+) -> Status:
     """The status once all that was published has come or is known to be lost."""
     latest: list[Status] = []
 
     def quiet() -> bool:
+        assert sensor.process.poll() is None, f"the daemon has ended: {sensor.said[-2000:]}"
         if (raw := heard.try_recv()) is not None:
             latest.append(Status.FromString(raw.payload.to_bytes()))
         came = sum(channel.received for channel in latest[-1].channels) if latest else 0
