@@ -96,13 +96,13 @@ def estimated_again(part: Path, folder: Path) -> None:
 
 
 def test_it_splits_by_itself_and_no_tick_is_between_the_parts(tmp_path: Path, bus: Bus) -> None:
-    with daemon(recording(split_every=1.5, memory=0.0), bus, tmp_path) as sensor, post(sensor) as rig:
-        for second in range(6):
+    with daemon(recording(split_every=0.5, memory=0.0), bus, tmp_path) as sensor, post(sensor) as rig:
+        for second in range(4):
             send(rig, second, second + 1)
         rig.await_status(lambda status: status.recording_parts >= 3, "three parts")
         assert sensor.end() == 0
     parts = sensor.sessions
-    assert [number for part in parts for number in ticks(Session(part))] == [*range(6 * RATE)]
+    assert [number for part in parts for number in ticks(Session(part))] == [*range(4 * RATE)]
     assert all(verify(Session(part), Engine(sensor.rig)).exact for part in parts if ticks(Session(part)))
 
 
@@ -126,11 +126,11 @@ def test_what_a_crash_has_torn_is_mended_at_the_next_start(tmp_path: Path, bus: 
 
 
 def test_without_recording_a_snapshot_can_still_be_kept(tmp_path: Path, bus: Bus) -> None:
-    with daemon(recording(enabled=False), bus, tmp_path) as sensor, post(sensor) as rig:
+    with daemon(recording(enabled=False, memory=300.0), bus, tmp_path) as sensor, post(sensor) as rig:
         send(rig, 0, 3)
-        said = CliRunner().invoke(app, ["tell", str(sensor.config), "snapshot", "2", "s"])
+        said = CliRunner().invoke(app, ["tell", str(sensor.config), "snapshot", "5", "min"])
         assert said.exit_code == 0, said.output
-        assert "the last 2 s are being written" in said.output
+        assert "the last 5 min are being written" in said.output
         wait_until(lambda: bool(sensor.sessions), "the snapshot")
         refused = CliRunner().invoke(app, ["tell", str(sensor.config), "snapshot", "2", "m"])
         assert refused.exit_code == 1

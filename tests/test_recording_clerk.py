@@ -1,5 +1,6 @@
 """What is written where: files begun, split, ended, kept within limits; each message in one, or counted."""
 
+import errno
 import os
 import time
 from collections.abc import Callable, Sequence
@@ -63,6 +64,9 @@ class Desk:
         self.order(order=wire.FAREWELL)
         self.clerk.close(told_to_end=False)
         self.news.append(self.clerk.news())
+
+    def failed(self) -> bool:
+        return self.clerk.failed
 
     @property
     def events(self) -> list[tuple[str, bool]]:
@@ -174,7 +178,7 @@ def test_a_full_disk_ends_the_file_in_time_and_room_begins_another(tmp_path: Pat
     assert desk.news[-1]["lost"] == 7
     assert desk.news[-1]["trouble"] == ""
     assert desk.events == [("recording", begins) for begins in (True, False, True, False)]
-    assert not desk.clerk.failed
+    assert not desk.failed()
     second = sessions(tmp_path)[1]
     assert numbers(second) == [*range(17, 27)]
     assert states(second) == [(0, 17)]
@@ -250,13 +254,64 @@ def test_a_snapshot_holds_the_last_minutes_from_a_state_on(
 def test_a_snapshot_that_cannot_be_kept_is_told(tmp_path: Path) -> None:
     desk = Desk(tmp_path, Limits(memory=300), begin=False)
     desk.order(order=wire.SNAPSHOT, path=str(tmp_path / "s.mcap"), seconds=10.0)
-    (tmp_path / "t.mcap").touch()
     desk.remember()
-    desk.order(order=wire.SNAPSHOT, path=str(tmp_path / "t.mcap"), seconds=10.0)
+    desk.order(order=wire.SNAPSHOT, path="/proc/no/t.mcap", seconds=10.0)
     told = desk.look()["events"]
     assert [(name, begins) for name, begins, _ in told] == [("snapshot", False)] * 2
     assert "nothing is held in memory yet" in told[0][2]
-    assert "exists already" in told[1][2]
+    assert "cannot be created" in told[1][2]
+
+
+def test_no_session_is_written_over(tmp_path: Path) -> None:
+    (tmp_path / "a.mcap").write_bytes(b"precious")
+    (tmp_path / "a-2.mcap.part").write_bytes(b"precious")
+    desk = Desk(tmp_path, Limits(), begin=False)
+    desk.remember(wire.START, tmp_path / "a.mcap")
+    desk.send(1)
+    desk.close()
+    assert (tmp_path / "a.mcap").read_bytes() == b"precious"
+    assert numbers(tmp_path / "a-3.mcap") == [0]
+
+
+def test_a_disk_that_refuses_is_tried_again_and_what_it_tore_is_mended(
+    tmp_path: Path, clock: Callable[[float], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    desk = Desk(tmp_path, Limits())
+    desk.remember()
+    desk.send(10)
+    desk.look()
+
+    def refuse(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as full:
+        full.setattr(os, "fsync", refuse)
+        desk.send(5)
+        assert "No space left on device" in desk.look()["trouble"]
+        assert desk.failed()
+        clock(5)
+        assert not desk.look()["wants"]
+        clock(6)
+        assert desk.look()["wants"]
+        desk.remember()  # and it refuses again
+        assert desk.look()["trouble"]
+    desk.send(3)
+    clock(11)
+    assert desk.look()["wants"]
+    desk.remember()
+    desk.send(10)
+    deadline = time.monotonic() + 30
+    while ("session_mended", True) not in desk.events:
+        assert time.monotonic() < deadline
+        desk.look()
+        time.sleep(0.05)
+    desk.close()
+
+    torn, whole = sorted(path for path in sessions(tmp_path) if numbers(path))
+    assert numbers(torn)[:10] == [*range(10)]
+    assert numbers(whole) == [*range(18, 28)]
+    assert not desk.failed()
+    assert desk.news[-1]["lost"] >= 8
 
 
 def made(path: Path, rig: str = RIG, age_s: float = 0.0, complete: bool = True, size: int = 0) -> Path:

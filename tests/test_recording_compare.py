@@ -7,14 +7,17 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from tests.rigs import SHORT
+from vsensor.checkpoint import remembered, whole
 from vsensor.cli.main import app
 from vsensor.cli.overrides import changed, overridden
 from vsensor.config import Rig, loads
 from vsensor.errors import ConfigError
-from vsensor.messages import Estimate
+from vsensor.messages import Estimate, Tick
 from vsensor.recording import compare
 from vsensor.recording.compare import Change, Comparison
 from vsensor.recording.reader import Session
+from vsensor.service.otherwise import Otherwise
 
 GOLDEN = Path(__file__).parent.parent / "recordings" / "stick_slip.mcap"
 NS = 1_000_000_000
@@ -132,6 +135,20 @@ def test_what_cannot_be_set_is_named(setting: str, fault: str) -> None:
 def run(*words: str) -> tuple[int, str]:
     done = CliRunner().invoke(app, ["verify", str(GOLDEN), *words])
     return done.exit_code, done.output
+
+
+def test_of_another_strings_state_only_what_was_added_is_taken_up() -> None:
+    """A later part of a recording, run under a string of another length."""
+    recording, unchanged = Otherwise(SHORT, SHORT), Otherwise(SHORT, SHORT)
+    recording.step(Tick(number=1, motor_torque_nm=1e3, motor_speed_rad_s=9.0, longer_by_m=28.5))
+    state = whole(*remembered(recording.intake, recording.estimator))
+    unchanged.take_up(state)
+    assert unchanged.estimator.string[0].length == 1228.5
+
+    other = Otherwise(overridden(SHORT, ["string[1].length=1300"], "x"), SHORT)
+    with pytest.raises(ValueError, match="it is of the recorded string"):
+        other.take_up(state)
+    assert other.estimator.string[0].length == 1328.5
 
 
 def test_under_another_rig_it_tells_and_draws_what_changes(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from vsensor.estimator.estimator import Estimator
+from vsensor.estimator.estimator import LENGTH, Estimator
 from vsensor.intake import Intake
 from vsensor.messages import Array, State
 
@@ -52,6 +52,14 @@ def take_up(state: State, intake: Intake, estimator: Estimator) -> None:
         intake.restore(held)
     except (KeyError, TypeError, AttributeError) as error:
         raise ValueError(f"the recorded state of the intake is of another version: {error}") from error
+
+
+def length_of(state: State) -> float:
+    """How long the topmost component was, with what was added to it, m; ValueError where that is not told."""
+    for described in state.arrays:
+        if described.name == LENGTH and (told := array_of(described)).size:
+            return float(told[0])
+    raise ValueError("the recorded state does not tell how long the string was")
 
 
 def array_of(described: Array) -> NDArray[np.generic]:

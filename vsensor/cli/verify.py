@@ -36,21 +36,21 @@ def verify(
     if picture is not None and picture.suffix != ".png":
         raise ConfigError(f"{picture}: a picture's name must end in .png")
     console = Console(soft_wrap=True, highlight=False)
-    exact = True
-    for session in sessions:
-        exact = _verify(console, session, config, settings or [], picture) and exact
-    if not exact and config is None and not settings:
+    verdicts = [_verify(console, session, config, settings or [], picture) for session in sessions]
+    as_recorded = config is None and not settings
+    sound = all(verdict.exact or verdict.idle for verdict in verdicts) and any(v.exact for v in verdicts)
+    if as_recorded and not sound:
         raise typer.Exit(1)
 
 
 def _verify(
     console: Console, path: Path, config: Path | None, settings: list[str], picture: Path | None
-) -> bool:
-    """Verify one session and say what came of it; whether it is exact."""
+) -> "Verdict":
+    """Verify one session and say what came of it."""
     from vsensor.recording.compare import Comparison
     from vsensor.recording.reader import Session
     from vsensor.recording.verify import verify as compare
-    from vsensor.service.engine import Engine
+    from vsensor.service.otherwise import Otherwise
 
     session = Session(path)
     recorded = _recorded(session)
@@ -64,11 +64,11 @@ def _verify(
     with console.status(f"verifying {path}"):
         ticks = sum(topic.messages for topic in session.summary().topics if topic.topic == "sensor/tick")
         comparison = Comparison(ticks)
-        verdict = compare(session, Engine(rig), strict=not differs, see=comparison.see)
+        verdict = compare(session, Otherwise(rig, recorded), strict=not differs, see=comparison.see)
         comparison.finish()
     if not session.complete:
         console.print(f"{path} is torn: what survives of it is verified")
-    console.print(f"{path}: {_words(verdict)}", markup=False)
+    console.print(f"{path}: {_words(verdict, as_recorded=not differs)}", markup=False)
     if differs:
         console.print("under", "\n      ".join(differs), markup=False)
     if verdict.mismatches:
@@ -77,7 +77,7 @@ def _verify(
     if picture is not None:
         _draw(picture, path, differs, comparison.changes)
         console.print(f"drawn in {picture}")
-    return verdict.exact
+    return verdict
 
 
 def _recorded(session: "Session") -> Rig:
@@ -86,21 +86,22 @@ def _recorded(session: "Session") -> Rig:
     return loads(session.configuration, f"{session.path}: recorded configuration")
 
 
-def _words(verdict: "Verdict") -> str:
+def _words(verdict: "Verdict", *, as_recorded: bool) -> str:
     if verdict.exact:
         return f"exact: {verdict.compared} estimates came out bit for bit"
     said = [f"{verdict.compared} estimates compared, {verdict.mismatches} differ"]
-    if (first := verdict.first) is not None:
+    if as_recorded and (first := verdict.first) is not None:
         said.append(
             f"the first at tick {first.number}: {first.field} was recorded as {first.recorded}, "
             f"is now {first.recomputed}"
         )
-    said += [_hole(gap) for gap in verdict.gaps]
+    if as_recorded:
+        said += [_hole(gap) for gap in verdict.gaps]
     if verdict.skipped:
         said.append(f"{verdict.skipped} ticks behind that could not be run again")
     if verdict.misfit:
         said.append(f"a recorded state was not taken up: {verdict.misfit}")
-    if verdict.compared == 0:
+    if verdict.compared == 0 and not verdict.skipped:
         said.append("the session holds no estimates of a daemon: nothing to compare")
     return "\n".join(said)
 
@@ -122,7 +123,7 @@ def _table(comparison: "Comparison") -> Table:
 
 def _figures(change: "Change") -> list[str]:
     if not change.compared:
-        return ["never answered by both"]
+        return ["—"]
     stated = [f"{std / change.compared:.4g}" for std in (change.std_recorded, change.std_now)]
     if not change.largest:
         return ["0", "", "", "", *stated, change.quantity.unit]

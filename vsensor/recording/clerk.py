@@ -12,7 +12,7 @@ from vsensor.recording.backlog import Item
 from vsensor.recording.disk import Disk
 from vsensor.recording.limits import Limits
 from vsensor.recording.mend import Mender
-from vsensor.recording.names import session_path
+from vsensor.recording.names import session_path, untaken
 from vsensor.recording.part import Head, Losses, Part
 from vsensor.recording.snapshot import Snapshots
 
@@ -68,7 +68,7 @@ class Clerk:
         if not self._disk.has_room():
             self._trouble = f"{self._folder}: {self._too_full()}"
             return
-        self._part = Part(path, self._head, {}, self._losses())
+        self._part = Part(path, self._head, {"part": "1"}, self._losses())
         self._parts = 1
         self._tell("recording", True, f"recording into {path}")
         self._mender.start(self._disk.spare)
@@ -158,7 +158,7 @@ class Clerk:
                 if self._part is not None:
                     self._end("stopped on command")
             case wire.SNAPSHOT:
-                path = Path(order["path"])
+                path = untaken(Path(order["path"]))
                 if wrong := self._snapshots.begin(path, order["seconds"], self._disk.spare):
                     self._tell("snapshot", False, wrong)
 
@@ -191,7 +191,8 @@ class Clerk:
         self._lost_by_daemon = order["dropped"]
 
     def _open(self, path: Path | None, checkpoint: wire.Checkpoint, continues: str) -> None:
-        path = path or session_path(self._folder, self._rig)
+        path = untaken(path or session_path(self._folder, self._rig))
+        was_torn, self.failed = self.failed, False
         more = {"part": str(self._parts + 1)} | ({"continues": continues} if continues else {})
         self._tidy(now=True)
         with self._complaining():
@@ -200,6 +201,8 @@ class Clerk:
             self._trouble = ""
             self._remember(self._part, checkpoint)
             self._tell("recording", True, f"recording into {path}")
+        if was_torn and not self.failed:
+            self._mender.start(self._disk.spare)
 
     def _end(self, why: str, losses: Losses | None = None) -> None:
         part, self._part = self._part, None

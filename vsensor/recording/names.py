@@ -8,14 +8,17 @@ _STAMP = "%Y%m%dT%H%M%SZ"
 
 
 def session_path(folder: Path, rig: str, kind: str = "") -> Path:
-    """A name that nobody has yet; `kind` is a word behind the time, such as -snapshot."""
-    stem = f"{rig}-{time.strftime(_STAMP, time.gmtime())}{kind}"
-    path = folder / f"{stem}.mcap"
-    number = 2
-    while path.exists() or path.with_name(f"{path.name}.part").exists():
-        path = folder / f"{stem}-{number}.mcap"
+    """The name of what begins now; `kind` is a word behind the time, such as -snapshot."""
+    return folder / f"{rig}-{time.strftime(_STAMP, time.gmtime())}{kind}.mcap"
+
+
+def untaken(path: Path) -> Path:
+    """This name, or where somebody has it, the next that is free."""
+    free, number = path, 2
+    while free.exists() or free.with_name(f"{free.name}.part").exists():
+        free = path.with_stem(f"{path.stem}-{number}")
         number += 1
-    return path
+    return free
 
 
 def is_session_of(rig: str, name: str, ending: str = ".mcap") -> bool:

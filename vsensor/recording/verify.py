@@ -58,6 +58,11 @@ class Verdict:
     """Why the first of the recorded states that did not fit was not taken up."""
 
     @property
+    def idle(self) -> bool:
+        """Whether there was nothing to run: a part of a recording during which no samples came."""
+        return not (self.ticks or self.skipped or self.misfit)
+
+    @property
     def exact(self) -> bool:
         """Whether something was compared, nothing differed and nothing was missing."""
         return self.compared > 0 and not (self.mismatches or self.gaps or self.misfit)
