@@ -102,7 +102,7 @@ def test_samples_come_at_the_spacing_of_their_own_times(tmp_path: Path) -> None:
     assert set(listener.topics) == {SURFACE_TORQUE}
 
 
-@pytest.mark.parametrize("speed", [0.5, 1.0, 3.0, 20.0])
+@pytest.mark.parametrize("speed", [0.1, 1.0, 3.0, 20.0])
 def test_oversleeping_and_work_never_add_up(tmp_path: Path, speed: float) -> None:
     clock = FakeClock(overshoot_ns=300_000)
     listener = Listener(clock, work_ns=100_000)
