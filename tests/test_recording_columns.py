@@ -253,3 +253,12 @@ def test_damage_is_told_as_by_the_general_reader(tmp_path: Path) -> None:
             except InputError as error:
                 told.append(str(error))
         assert told[0] == told[1], place
+
+
+def test_one_long_list_among_many_short_ones_takes_no_memory_for_all(tmp_path: Path) -> None:
+    long = Profile(depth_m=[0.0] * 200_000).SerializeToString()
+    session = write(tmp_path / "a.mcap", [(STRING_PROFILE, data) for data in (b"", long)])
+    assert len(as_read(session, STRING_PROFILE)) == 2
+    hostile = write(tmp_path / "b.mcap", [(STRING_PROFILE, long), *[(STRING_PROFILE, b"")] * 300])
+    with pytest.raises(InputError, match=r"depth_m: lists of up to 200000 numbers in \d+ messages at once"):
+        as_read(hostile, STRING_PROFILE)

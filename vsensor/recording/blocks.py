@@ -41,11 +41,9 @@ def blocks(scan: Scan) -> Iterator[Schema | Channel | Block]:
     for record in scan.unpacked(unpack):
         if isinstance(record, Schema | Channel):
             yield record
-        elif isinstance(record, Message):
-            waiting.append(_alone(record))
-        elif isinstance(record, tuple):
-            waiting.append(record)
-            size += len(record[0])
+        elif isinstance(record, Message | tuple):
+            waiting.append(_alone(record) if isinstance(record, Message) else record)
+            size += len(waiting[-1][0]) + MESSAGE_HEAD
         if size >= BLOCK_BYTES:
             yield _block(waiting)
             waiting, size = [], 0
@@ -72,7 +70,9 @@ def unpack(chunk: Chunk) -> list[Schema | Channel | tuple[Bytes, Places]]:
 
 def _described(data: Bytes, places: Iterable[int]) -> Iterator[Schema | Channel]:
     for place in places:
-        content = ReadDataStream(BytesIO(data[place + RECORD_HEAD :].tobytes()))
+        length = int.from_bytes(data[place + 1 : place + RECORD_HEAD].tobytes(), "little")
+        own = data[place + RECORD_HEAD : place + RECORD_HEAD + length]
+        content = ReadDataStream(BytesIO(own.tobytes()))
         if data[place] == Opcode.SCHEMA:
             yield Schema.read(content)
         elif data[place] == Opcode.CHANNEL:

@@ -34,6 +34,9 @@ from vsensor.recording.layout import (
 from vsensor.recording.reader import Session
 from vsensor.recording.scan import Scan
 
+LARGEST = 1 << 24
+"""Numbers in the lists of a block, all filled up to the longest: one long among many short is no profile."""
+
 Values = npt.NDArray[Any]
 Known = npt.NDArray[np.bool_]
 
@@ -206,6 +209,8 @@ def _lists(
         words[row, COUNT] = 0
     general = {row: list(getattr(message, field.name)) for row, message in others.items()}
     most = max([int(words[:, COUNT].max(initial=0)), *map(len, general.values())])
+    if len(words) * most > LARGEST:
+        raise InputError(f"{field.full_name}: lists of up to {most} numbers in {len(words)} messages at once")
     values = np.full((len(words), most), np.nan)
     for data, rows in chunks:
         gather_doubles(data, words[rows, FIRST], words[rows, COUNT], values[rows].view(np.uint64))

@@ -21,6 +21,8 @@ _GRID, _INK = "#E4E4E4", "#1c1c1c"
 _UNIX_NS = 10**17
 """Times before (1973) count from the start of a record, not from 1970."""
 _BINS = 90
+_FEW = 20
+"""So few points are marked: a line of one would not be seen."""
 RPM, KNM = factor("rad/s", "rpm"), factor("N*m", "kN*m")
 
 
@@ -40,6 +42,7 @@ def over_time(story: Story, severity: Severity, worst: tuple[int, int]) -> Plot:
         _line("bit", time, bit_torque, CONFIRMED, row=2, width=1.0, legend=False),
         _line("severity", _clock(severity.time_ns), severity.value, LIMIT, row=3, legend=False),
     ]
+    traces[-1]["mode"] = "lines+markers" if len(severity.value) < _FEW else "lines"
     layout = _rows(("speed, rpm", "torque, kN·m", "severity"), story.time_ns, (0.42, 0.34, 0.24))
     begin, end = _clock(np.array(worst)).tolist()
     shade = {"type": "rect", "xref": "x", "yref": "paper", "x0": begin, "x1": end, "y0": 0, "y1": 1}
