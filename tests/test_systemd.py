@@ -1,6 +1,10 @@
 """What a service manager is told, over a real socket: readiness, the watchdog, the end."""
 
+import re
+import shutil
 import socket
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -8,7 +12,9 @@ import pytest
 
 from tests.daemons import Daemon, wait_until
 from tests.rigs import SHORT
+from vsensor.cli.run import FINISH_S
 from vsensor.config import Bus
+from vsensor.errors import ConfigError
 from vsensor.messages import ChannelStatus, Status
 from vsensor.service.systemd import Supervisor
 
@@ -90,3 +96,37 @@ def test_the_daemon_tells_when_it_is_ready_alive_and_stopping(
         if sensor.process.poll() is None:
             sensor.process.kill()
             sensor.process.wait()
+
+
+@pytest.fixture
+def unit(tmp_path: Path) -> Path:
+    """The template as it is shipped, but with a program that is there."""
+    text = (UNITS / "vsensor@.service").read_text(encoding="utf-8")
+    file = tmp_path / "vsensor@well-b.service"
+    file.write_text(text.replace("/opt/vsensor/bin/vsensor", sys.executable), encoding="utf-8")
+    return file
+
+
+def analysed(*words: str) -> str:
+    done = subprocess.run(["systemd-analyze", *words], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout + done.stderr
+
+
+@pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="there is no systemd here")
+def test_systemd_takes_the_unit_as_it_is_and_finds_it_well_shut(unit: Path) -> None:
+    assert analysed("verify", "--man=no", str(unit)) == ""
+    told = analysed("security", "--offline=yes", "--no-pager", str(unit))
+    level = re.search(r"Overall exposure level for \S+: ([0-9.]+)", told)
+    assert level
+    assert float(level[1]) < 2
+
+
+def test_the_unit_waits_as_long_as_the_daemon_may_take() -> None:
+    """To be ready, between two words to the watchdog, and to complete its session."""
+    text = (UNITS / "vsensor@.service").read_text(encoding="utf-8")
+    told = dict(line.split("=", 1) for line in text.splitlines() if re.match(r"[A-Z]\w+=", line))
+    assert told["Type"] == "notify"
+    assert int(told["WatchdogSec"].removesuffix("s")) > 5
+    assert int(told["TimeoutStopSec"].removesuffix("s")) > FINISH_S
+    assert told["RestartPreventExitStatus"] == str(ConfigError.exit_status)

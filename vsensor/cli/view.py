@@ -11,7 +11,7 @@ from rich.progress import track
 
 from vsensor.cli.options import connected, rig_name
 from vsensor.config import Bus, Rig, SpeedUnit, TopDrive, TorqueUnit, View, load, loads
-from vsensor.errors import ConfigError, InputError
+from vsensor.errors import ConfigError, InputError, VsensorError
 
 if TYPE_CHECKING:
     from vsensor.messages import Message
@@ -46,13 +46,17 @@ def view(
 ) -> None:
     """Show a running sensor live, or a recorded session, until Ctrl-C or until the window is closed."""
     from vsensor.signals import until_signalled
-    from vsensor.view import place as places
-    from vsensor.view.blueprint import blueprint
-    from vsensor.view.live import Show
-    from vsensor.view.plots import Drive
-    from vsensor.view.screen import Screen
-    from vsensor.view.stream import Stream
-    from vsensor.view.units import Units
+
+    try:
+        from vsensor.view import place as places
+        from vsensor.view.blueprint import blueprint
+        from vsensor.view.live import Show
+        from vsensor.view.plots import Drive
+        from vsensor.view.screen import Screen
+        from vsensor.view.stream import Stream
+        from vsensor.view.units import Units
+    except ModuleNotFoundError as error:
+        raise VsensorError(f"needs {error.name}, an extra: pip install 'vsensor[view]'") from error
 
     say: Say = partial(Console().print, markup=False, highlight=False, soft_wrap=True)
     recorded = _recorded(session, rig, connect)
