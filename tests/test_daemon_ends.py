@@ -109,10 +109,13 @@ def test_where_the_recorder_is_killed_the_daemon_goes_on_and_says_so(
     assert "no longer recorded" in sensor.said
     assert "vsensor recover" in sensor.said
 
+    rig.await_status(lambda status: status.HasField("recording"), "another recorder")
+    rig.await_status(lambda _: ("session_mended", True) in rig.events, "the torn session mended")
     assert sensor.end(signal.SIGTERM) == 0
-    assert sensor.sessions == []
-    (part,) = sensor.rig.recording.folder.glob("*.mcap.part")
-    assert not Session(part).complete
+    mended, second = sensor.sessions
+    assert verify(Session(mended), Engine(SHORT)).exact
+    assert Session(second).complete
+    assert list(sensor.rig.recording.folder.glob("*.mcap.torn"))
 
 
 def test_a_pause_loses_no_tick_and_those_made_up_for_say_so(sensor: Daemon, rig: Post, feed: Surface) -> None:

@@ -71,6 +71,10 @@ class Clerk:
         self._part = Part(path, self._head, {"part": "1"}, self._losses())
         self._parts = 1
         self._tell("recording", True, f"recording into {path}")
+        self.mend()
+
+    def mend(self) -> None:
+        """Mend what a crash before has torn, out of the way."""
         self._mender.start(self._disk.spare)
 
     def take(self, item: Item) -> None:
@@ -127,6 +131,7 @@ class Clerk:
             "state": self._state,
             "lost": self._lost + self._overrun(),
             "trouble": self._trouble,
+            "wanted": self._wanted,
             "wants": self._is_due(part) or self._has_gap if part else self._wanted and self._may_begin(),
             "events": self._events,
             "complete": self._complete,
@@ -202,7 +207,7 @@ class Clerk:
             self._remember(self._part, checkpoint)
             self._tell("recording", True, f"recording into {path}")
         if was_torn and not self.failed:
-            self._mender.start(self._disk.spare)
+            self.mend()
 
     def _end(self, why: str, losses: Losses | None = None) -> None:
         part, self._part = self._part, None

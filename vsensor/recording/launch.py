@@ -1,10 +1,13 @@
-"""Starts the recorder's process, and waits until it stands ready."""
+"""Starts the recorder's process, and starts it again where it has died."""
 
+import contextlib
 import json
 import socket
 import subprocess
 import sys
 import tempfile
+import threading
+import time
 from collections.abc import Collection, Mapping
 
 from vsensor.errors import InputError, VsensorError
@@ -16,13 +19,17 @@ BUFFER_BYTES = 8 << 20
 START_S = 20.0
 """A process that is not ready by then will not be."""
 
+AGAIN_S = 2.0
+"""How soon after its death, or after another attempt, it is started again."""
+
+Started = tuple[socket.socket, subprocess.Popen[bytes]]
+"""Our end of the socket, and the process."""
+
 _SO_SNDBUFFORCE = 32  # linux/socket.h; Python does not name it
 
 
-def launch(
-    order: Mapping[str, object], processors: Collection[int]
-) -> tuple[socket.socket, subprocess.Popen[bytes]]:
-    """Start the process with its order, and wait until it is ready; returns our end of the socket, and it.
+def launch(order: Mapping[str, object], processors: Collection[int]) -> Started:
+    """Start the process with its order, and wait until it is ready.
 
     Raises InputError with what it complains of, VsensorError where it says nothing.
     """
@@ -52,6 +59,39 @@ def launch(
         raise
     ours.setblocking(False)
     return ours, process
+
+
+class Relaunch:
+    """Starts the process again in a thread of its own, so that the loop need not wait for it."""
+
+    def __init__(self, order: Mapping[str, object], processors: Collection[int]) -> None:
+        self._order = {**order, "begin": False}  # it begins a file when it is told what the sensor remembers
+        self._processors = processors
+        self._not_before = time.monotonic() + AGAIN_S
+        self._thread: threading.Thread | None = None
+        self._started: list[Started] = []
+
+    def look(self) -> Started | None:
+        """The process, once it stands ready; never waits."""
+        if self._thread is None and time.monotonic() >= self._not_before:
+            self._thread = threading.Thread(target=self._launch, daemon=True)
+            self._thread.start()
+        elif self._thread is not None and not self._thread.is_alive():
+            self._thread = None
+            self._not_before = time.monotonic() + AGAIN_S
+        return self._started.pop() if self._started else None
+
+    def close(self) -> None:
+        """End what was started and not fetched: it has nothing to write."""
+        if self._thread is not None:
+            self._thread.join()
+        for ours, process in self._started:
+            ours.close()
+            process.wait()
+
+    def _launch(self) -> None:
+        with contextlib.suppress(VsensorError, OSError):  # tried again
+            self._started.append(launch(self._order, self._processors))
 
 
 def _await_ready(ours: socket.socket, path: str) -> None:

@@ -62,6 +62,8 @@ def main(descriptor: int, processors: Collection[int]) -> int:
     try:
         if order["begin"]:
             clerk.begin(path)
+        else:
+            clerk.mend()
     except VsensorError as error:
         _tell(feed, str(error))
         return 1

@@ -17,7 +17,7 @@ from typing import Any
 
 from vsensor.messages import State, message_type
 from vsensor.recording import wire
-from vsensor.recording.launch import launch
+from vsensor.recording.launch import Relaunch, launch
 from vsensor.recording.limits import NO_LIMITS, Limits
 from vsensor.recording.names import session_path
 from vsensor.recording.writer import Compression
@@ -70,7 +70,12 @@ class Recorder:
         self._count = 0
         self._names: dict[str, bytes] = {}
         self._trouble = ""
-        order = {
+        self._wanted = begin
+        self._lost_before = 0
+        self._relaunch: Relaunch | None = None
+        self._resumes = False
+        self._processors = processors
+        self._order = {
             "path": str(path),
             "begin": begin,
             "configuration": configuration,
@@ -78,12 +83,12 @@ class Recorder:
             "compression": compression,
             "limits": asdict(limits),
         }
-        self._socket, self._process = launch(order, processors)
+        self._socket, self._process = launch(self._order, processors)
 
     @property
     def dropped(self) -> int:
         """Messages that are in no file though they should be: not taken, or lost on the recorder's side."""
-        return self.unsent + self._lost
+        return self.unsent + self._lost_before + self._lost
 
     def offer(self, topic: str, data: bytes, log_time_ns: int, publish_time_ns: int) -> None:
         """Add a message to this slot's packet; one of a topic that has no schema counts as dropped."""
@@ -129,12 +134,14 @@ class Recorder:
         self.send()
         if not self.alive:
             return False
+        if order == wire.KEEP and self._resumes and self._wanted:
+            order = wire.START
         words = {"order": order, "path": path, "dropped": self.unsent}
         try:
             self._states.send(self._socket, words, time.time_ns(), state, arrays)
         except OSError:
             return False
-        self.wants = False
+        self.wants = self._resumes = False
         return True
 
     def order(self, order: str, path: str = "", seconds: float = 0.0) -> bool:
@@ -149,6 +156,7 @@ class Recorder:
 
     def look(self) -> list[Note]:
         """Hear the news, and return what has happened since; once a second will do. Never waits."""
+        self._revive()
         while self.alive:
             try:
                 news = self._socket.recv(wire.PACKET_BYTES).decode()
@@ -173,6 +181,7 @@ class Recorder:
         self.wants = news["wants"]
         self.complete += news["complete"]
         self._trouble = news["trouble"]
+        self._wanted = news["wanted"]
         self._lost = news["lost"]
         self._states.read = news["state"]
         self._notes += [(name, begins, text) for name, begins, text in news["events"]]
@@ -183,6 +192,22 @@ class Recorder:
             self._trouble = self._obituary()
             self._notes.append(("recording", False, self._trouble))
             self.path = ""
+            if self._process.poll() != 0:  # where it was told to end, it stays so
+                self._relaunch = Relaunch(self._order, self._processors)
+
+    def _revive(self) -> None:
+        """Take up with another process, where the first has died and it stands ready."""
+        started = self._relaunch.look() if self._relaunch is not None else None
+        if started is None:
+            return
+        self._socket.close()
+        self._states.close()
+        self._socket, self._process = started
+        self._states = wire.Carrier()
+        self._lost_before, self._lost = self._lost_before + self._lost, 0
+        self._relaunch = None
+        self._trouble = ""
+        self.alive = self.wants = self._resumes = True
 
     def close(self, timeout: float) -> bool:
         """End the recording; whether the file was completed within `timeout` seconds.
@@ -190,6 +215,8 @@ class Recorder:
         A recorder that takes longer is left to finish by itself; calling again waits again.
         """
         deadline = time.monotonic() + timeout
+        if self._relaunch is not None:
+            self._relaunch.close()
         self.send()
         self._say_farewell(timeout)
         try:
