@@ -41,7 +41,7 @@ summary { cursor: pointer; }
 @page { size: A4; margin: 12mm; }
 @media print {
   body { padding: 0; max-width: none; width: 66rem; zoom: .66; }
-  h2, .note { break-after: avoid; } .plot, .keys, table { break-inside: avoid; }
+  section { break-inside: avoid; } section.long { break-inside: auto; }
   pre { white-space: pre-wrap; } .modebar { display: none; }
 }
 """
@@ -82,9 +82,10 @@ def page(
 """
 
 
-def section(title: str, note: str, body: str) -> str:
-    """A headed part of the page; `body` is HTML."""
-    return f'<section><h2>{escape(title)}</h2><p class="note">{escape(note)}</p>{body}</section>\n'
+def section(title: str, note: str, body: str, *, long: bool = False) -> str:
+    """A headed part of the page, on paper on one sheet unless it is long; `body` is HTML."""
+    kind = ' class="long"' if long else ""
+    return f'<section{kind}><h2>{escape(title)}</h2><p class="note">{escape(note)}</p>{body}</section>\n'
 
 
 def place(name: str) -> str:

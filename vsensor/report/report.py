@@ -105,12 +105,13 @@ def _parts(
                 section("Losses", "Everything that was counted as lost.", table(_losses(story, summary))),
                 section("The loop's lateness", "Wake-up after the deadline of each tick.", late),
             ),
-            section("Events", "What was told to the driller.", table(_events(story))),
+            section("Events", "What was told to the driller.", table(_events(story)), long=True),
             section(
                 "Configuration",
                 "As recorded with the session.",
                 folded("configuration.toml", session.configuration or "none was recorded")
                 + table([(name.replace("_", " "), told) for name, told in summary.metadata.items()]),
+                long=True,
             ),
         )
     )

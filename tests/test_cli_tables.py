@@ -1,0 +1,89 @@
+"""Tables of every usual form to sessions and back, as a user types it."""
+
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv as arrow_csv
+import pyarrow.parquet as parquet
+import pytest
+from pyarrow import feather
+from typer.testing import CliRunner, Result
+
+from tests.rigs import SHORT, simulated
+from vsensor.cli.main import app
+from vsensor.config import effective_toml
+from vsensor.messages import SURFACE_TORQUE, Sample
+from vsensor.recording.reader import Session
+
+HEADER = "Date;Time;STOR;RPM\n"
+ROWS = ("24.11.2026;08:15:30;10;100", "24.11.2026;08:15:31;12;110", "24.11.2026;08:15:32;14;120")
+FORM = (
+    *("--date-column", "Date", "--time-column", "Time", "--time-format", "%d.%m.%Y %H:%M:%S"),
+    *("--time-zone", "Europe/Oslo", "--torque-column", "STOR", "--torque-unit", "kN*m"),
+    *("--speed-column", "RPM", "--speed-unit", "rpm"),
+)
+BEGUN_NS = 1_795_504_530 * 10**9  # 2026-11-24T07:15:30Z
+
+
+def vsensor(*words: str | Path) -> Result:
+    return CliRunner().invoke(app, [str(word) for word in words])
+
+
+def torques(session: Path) -> list[tuple[int, float]]:
+    messages = [record.message for record in Session(session).messages([SURFACE_TORQUE])]
+    return [(message.time_ns, message.value) for message in messages if isinstance(message, Sample)]
+
+
+def test_a_loggers_table_is_imported_as_it_is(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text(HEADER + "\n".join(ROWS))
+    done = vsensor("import", tmp_path / "log.csv", "-o", tmp_path / "a.mcap", *FORM)
+    assert done.exit_code == 0, done.output
+    assert "3 rows" in done.output
+    assert torques(tmp_path / "a.mcap") == [(BEGUN_NS + k * 10**9, 10e3 + k * 2e3) for k in range(3)]
+
+
+def test_resampled_only_if_asked_and_said_in_the_session(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text(HEADER + "\n".join(ROWS))
+    done = vsensor("import", tmp_path / "log.csv", "-o", tmp_path / "a.mcap", *FORM, "--resample", "4 Hz")
+    assert done.exit_code == 0, done.output
+    told = torques(tmp_path / "a.mcap")
+    assert [time_ns - BEGUN_NS for time_ns, _ in told] == [k * 250_000_000 for k in range(9)]
+    assert [value for _, value in told] == pytest.approx(np.linspace(10e3, 14e3, 9).tolist())
+    assert Session(tmp_path / "a.mcap").metadata["resampled_to"] == "4 Hz"
+
+
+def test_a_table_that_is_bad_further_down_leaves_no_session(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text(HEADER + "\n".join((*ROWS, "24.11.2026;8h15;1;1")))
+    done = vsensor("import", tmp_path / "log.csv", "-o", tmp_path / "a.mcap", *FORM)
+    assert done.exit_code == 1
+    assert "line 5: Time is '24.11.2026 8h15'" in " ".join(done.output.split())
+    assert [path.name for path in tmp_path.iterdir()] == ["log.csv"]
+
+
+def test_the_same_estimates_come_of_every_kind_of_table(tmp_path: Path) -> None:
+    """From CSV, Parquet and Feather, and of a session made of them; to Parquet and NumPy."""
+    readings = simulated(4)
+    columns = {
+        "time_s": [reading.time_s for reading in readings],
+        "motor_torque_nm": [reading.motor_torque for reading in readings],
+        "motor_speed_rad_s": [reading.motor_speed for reading in readings],
+    }
+    (tmp_path / "rig.toml").write_text(effective_toml(SHORT))
+    arrow_csv.write_csv(pa.table(columns), tmp_path / "in.csv")
+    parquet.write_table(pa.table(columns), tmp_path / "in.parquet")
+    feather.write_feather(pa.table(columns), tmp_path / "in.feather")
+    done = vsensor("import", tmp_path / "in.csv", "-o", tmp_path / "in.mcap")
+    assert done.exit_code == 0, done.output
+    found = []
+    for kind in ("csv", "parquet", "feather", "mcap"):
+        for output in (tmp_path / f"{kind}.parquet", tmp_path / f"{kind}.npz"):
+            done = vsensor("estimate", tmp_path / f"in.{kind}", tmp_path / "rig.toml", "-o", output)
+            assert done.exit_code == 0, done.output
+        with np.load(tmp_path / f"{kind}.npz") as arrays:
+            found.append({name: arrays[name].tobytes() for name in arrays.files})
+            speeds = arrays["now_speed_rad_s"]
+        told = parquet.read_table(tmp_path / f"{kind}.parquet")["now_speed_rad_s"]
+        assert np.array_equal(told.to_numpy(), speeds, equal_nan=True)
+        assert np.isfinite(speeds).any()
+    assert all(each == found[0] for each in found)
