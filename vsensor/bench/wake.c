@@ -1,15 +1,18 @@
 /* A bare loop: sleeps until each slot of an absolute grid and notes how late it woke. The yardstick of
  * `vsensor bench live`; slots that have passed are skipped by the rule of vsensor/service/pace.py.
  *
- *     wake RATE_HZ SECONDS
+ *     wake RATE_HZ SECONDS PRIORITY
  *
+ * PRIORITY is SCHED_FIFO's, 0 for none; timers are exact, as the daemon's are (PR_SET_TIMERSLACK). It
  * writes the slot's number and the lateness in ns, two int64 a slot, when all is over. */
 
-#define _POSIX_C_SOURCE 200809L
+#define _GNU_SOURCE
 #include <math.h>
+#include <sched.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/prctl.h>
 #include <time.h>
 
 static int64_t now_ns(void)
@@ -27,8 +30,12 @@ static void sleep_until(int64_t ns)
 
 int main(int argc, char **argv)
 {
-    if (argc != 3)
+    if (argc != 4)
         return 2;
+    const struct sched_param priority = {.sched_priority = atoi(argv[3])};
+    if (priority.sched_priority && sched_setscheduler(0, SCHED_FIFO, &priority))
+        return 3;
+    prctl(PR_SET_TIMERSLACK, 1, 0, 0, 0);
     const double rate = atof(argv[1]);
     const int64_t slots = llround(rate * atof(argv[2]));
     int64_t *noted = calloc(2 * slots + 2, sizeof *noted), count = 0;

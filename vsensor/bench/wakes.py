@@ -39,12 +39,16 @@ def of_ticks(ticks: Iterable[Tick], due: int, skipped: int) -> Wakes:
 
 
 @contextmanager
-def bare_loop(program: Path, rate_hz: float, seconds: float) -> Iterator[Callable[[], Wakes]]:
+def bare_loop(
+    program: Path, rate_hz: float, seconds: float, scheduling: str = ""
+) -> Iterator[Callable[[], Wakes]]:
     """Within, a loop in C does nothing but sleep to the same grid, as a process of its own.
 
+    `scheduling` is what the daemon has, such as "SCHED_FIFO 40"; by default it is an ordinary process.
     Yields what waits for its end and tells of it; that raises VsensorError where it failed.
     """
-    command = [str(program), repr(rate_hz), repr(seconds)]
+    _, _, priority = scheduling.partition("SCHED_FIFO ")
+    command = [str(program), repr(rate_hz), repr(seconds), priority or "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, start_new_session=True) as process:
         try:
             yield lambda: _of_bare_loop(process)

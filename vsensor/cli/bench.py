@@ -21,6 +21,7 @@ class Benchmark(StrEnum):
     READING = "reading"
     OFFLINE = "offline"
     LIVE = "live"
+    LOADS = "loads"
 
 
 RATES_HZ = (100.0, 1000.0)
@@ -82,6 +83,10 @@ def _run(
 
         say("samples of a file, as fast as they go")
         yield from offline.tables(seconds)
+    elif name is Benchmark.LOADS:
+        from vsensor.bench import loads
+
+        yield from loads.tables(rates, seconds, say)
     else:
         from vsensor.bench import live
 

@@ -95,6 +95,7 @@ class Daemon:
         second = 0
         for slot in pace.slots():
             begun = time.monotonic_ns()
+            self.health.grid_ns = pace.start_ns
             self.health.begin(slot)
             self._turn(slot)
             if slot.number // self._per_second > second:

@@ -67,6 +67,8 @@ class Health:
         self.load = 0.0
         """Share of the last second that the loop worked."""
         self.shedding = Shedding()
+        self.grid_ns = 0
+        """Slot 0 of the loop, monotonic clock."""
         self.bus_missed = 0
         """Surface samples that the bus lost."""
         self.slots_run = 0
@@ -181,6 +183,7 @@ class Health:
             if any(second):
                 setattr(status, f"{name}_p50_s", quantile_s(second, 0.5))
                 setattr(status, f"{name}_p99_s", quantile_s(second, 0.99))
+        status.grid_ns = self.grid_ns
         status.bus_missed = self.bus_missed
         status.load = self.load
         status.shed = self.shedding.level

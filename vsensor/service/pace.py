@@ -47,10 +47,12 @@ class Pace:
     def __init__(self, rate_hz: float, clock: Clock) -> None:
         self._rate = rate_hz
         self._clock = clock
+        self.start_ns = 0
+        """Slot 0, by the clock."""
 
     def slots(self) -> Iterator[Slot]:
         """Yield each slot at its deadline, for as long as the caller goes on."""
-        start = self._clock.now_ns()
+        start = self.start_ns = self._clock.now_ns()
         number = 0
         while True:
             due = number + 1
