@@ -1,6 +1,7 @@
 """What is written where: files begun, split, ended, kept within limits; each message in one, or counted."""
 
 import errno
+import json
 import os
 import time
 from collections.abc import Callable, Sequence
@@ -355,6 +356,21 @@ def test_the_oldest_go_while_all_are_too_large(tmp_path: Path) -> None:
     made_ = [made(tmp_path / at(n), age_s=100 - n, size=100_000) for n in range(1, 6)]
     Desk(tmp_path, Limits(keep_size=250_000)).close()
     assert [path.exists() for path in made_] == [False, False, False, True, True]
+
+
+def test_whatever_there_is_to_tell_fits_into_packets_and_nothing_is_left_out(tmp_path: Path) -> None:
+    folder = tmp_path / ("long" * 50)
+    folder.mkdir()
+    for number in range(60):
+        made(folder / at(10, more=f"-{number + 2}"), age_s=100)
+    desk = Desk(folder, Limits(keep_for=50))
+    told = [desk.look()]
+    while desk.clerk.has_more:
+        told.append(desk.look())
+    desk.close()
+    assert sum(name == "session_deleted" for news in told for name, _, _ in news["events"]) == 60
+    assert len(told) > 1
+    assert all(len(json.dumps(news)) < wire.PACKET_BYTES for news in told)
 
 
 def test_a_torn_session_is_mended_at_the_next_start_and_the_torn_one_kept(tmp_path: Path) -> None:

@@ -19,6 +19,9 @@ from vsensor.recording.snapshot import Snapshots
 RETRY_S = 10.0
 """A disk that has refused is not tried again sooner."""
 
+EVENTS, TEXT, FILES = 10, 500, 4
+"""So many events, of so many characters, and so many names of files fit into a packet of news."""
+
 News = dict[str, Any]
 
 
@@ -133,8 +136,8 @@ class Clerk:
             "trouble": self._trouble,
             "wanted": self._wanted,
             "wants": self._is_due(part) or self._has_gap if part else self._wanted and self._may_begin(),
-            "events": self._events,
-            "complete": self._complete,
+            "events": [(name, begins, text[:TEXT]) for name, begins, text in self._events[:EVENTS]],
+            "complete": self._complete[:FILES],
             "figures": {
                 "recording_bytes": part.size if part else 0,
                 "recording_free_bytes": self._disk.free,
@@ -143,8 +146,13 @@ class Clerk:
                 "recording_memory_s": self._snapshots.memory.reach(time.monotonic()),
             },
         }
-        self._events, self._complete = [], []
+        del self._events[:EVENTS], self._complete[:FILES]
         return news
+
+    @property
+    def has_more(self) -> bool:
+        """Whether there is news that the last could not hold."""
+        return bool(self._events or self._complete)
 
     def _file(self, parcel: wire.Parcel) -> None:
         if self._part is not None:

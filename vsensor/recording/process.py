@@ -40,13 +40,15 @@ class Reporter:
         self._said = ""
 
     def tell(self) -> None:
-        """Tell how things stand now."""
+        """Tell how things stand now, and what has happened since the last time."""
         news = self._clerk.news()
         if news["trouble"] != self._said:
             self._said = news["trouble"]
             if self._said:
                 _say(self._said)
         _tell(self._feed, json.dumps(news))
+        if self._clerk.has_more:
+            self.tell()
 
 
 def main(descriptor: int, processors: Collection[int]) -> int:

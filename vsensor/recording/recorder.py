@@ -165,7 +165,8 @@ class Recorder:
             except OSError:
                 news = ""
             if news:
-                self._hear(json.loads(news))
+                with contextlib.suppress(ValueError):  # cut off, by outlandish names: the loop goes on
+                    self._hear(json.loads(news))
             else:
                 self._bury()
         notes, self._notes = self._notes, []
