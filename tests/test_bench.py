@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from vsensor.bench import kernel, live, offline, reading, stage, tick, wakes
+from vsensor.bench import kernel, live, loads, offline, reading, stage, tick, wakes
 from vsensor.bench.compiler import FLAGS, NO_COMPILER, compiler
 from vsensor.bench.processes import child_of, processor_s
 from vsensor.bench.record import drilled
@@ -214,6 +214,29 @@ def test_live_every_sample_is_consumed_recorded_and_made_a_tick_of(tmp_path: Pat
     assert 0 < len(run.daemon.lateness_ns) <= run.daemon.due
     assert run.daemon.lateness_ns.min() >= 0
     assert 0 <= run.processor.recorder + run.processor.daemon <= 2 * run.processor.wall
+
+
+@pytest.mark.process
+def test_under_a_load_lateness_and_latency_stand_beside_their_yardsticks(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(loads, "LOADS", (loads.LOADS[1],))
+    monkeypatch.setattr(loads, "WARM_S", 1.0)
+    lateness, latency, cost = map(rows, loads.tables([50.0], 1.0, lambda _words: None))
+    for table in (lateness, latency, cost):
+        assert [row["loop and load"] for row in table] == ["50 Hz, recording"]
+    (row,) = latency
+    for figure in ("whole, µs", "behind the wake-up, µs", "echo, µs"):
+        told = row[figure]
+        assert isinstance(told, float)
+        assert told > 0
+    (row,) = lateness
+    median, worst, memory = row["median, µs"], row["99 %, µs"], cost[0]["memory, MB"]
+    assert isinstance(median, float)
+    assert isinstance(worst, float)
+    assert isinstance(memory, float)
+    assert 0 < median <= worst
+    assert memory > 10
 
 
 def test_an_impossible_rate_is_refused_before_anything_runs() -> None:

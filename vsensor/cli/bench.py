@@ -22,6 +22,7 @@ class Benchmark(StrEnum):
     OFFLINE = "offline"
     LIVE = "live"
     LOADS = "loads"
+    START = "start"
 
 
 RATES_HZ = (100.0, 1000.0)
@@ -83,6 +84,10 @@ def _run(
 
         say("samples of a file, as fast as they go")
         yield from offline.tables(seconds)
+    elif name is Benchmark.START:
+        from vsensor.bench import start
+
+        yield from start.tables(rates[0], say)
     elif name is Benchmark.LOADS:
         from vsensor.bench import loads
 
