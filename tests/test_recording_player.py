@@ -315,6 +315,17 @@ def test_sessions_follow_one_another_at_their_gap_or_the_longest_allowed(tmp_pat
     assert [course.leg(s * SECOND).session.path.name[0] for s in (0, 2.9, 3.1, 14.5, 99)] == [*"aabcd"]
 
 
+def test_a_part_in_which_nothing_came_is_passed_over(tmp_path: Path) -> None:
+    sessions = [
+        session_of(tmp_path / "a.mcap", []),
+        session_of(tmp_path / "b.mcap", [0, 1000]),
+        session_of(tmp_path / "c.mcap", []),
+    ]
+    course = Course(sessions)
+    assert [leg.session.path.name for leg in course.legs] == ["b.mcap"]
+    assert course.passed_over == [sessions[0], sessions[2]]
+
+
 def test_other_topics_keep_their_place_between_the_samples(tmp_path: Path) -> None:
     clock = FakeClock()
     listener = Listener(clock)

@@ -74,6 +74,8 @@ def replay(
     chosen = _topics(topics) if topics else SURFACE_TOPICS
     bus, prefix = _bus(recorded, rig, connect)
     course = Course(recorded, (*chosen, SENSOR_EVENT) if commands else chosen, max_gap)
+    for session in course.passed_over:
+        typer.echo(f"{session.path} holds none of {', '.join(course.topics)}, and is passed over", err=True)
     console = Console(stderr=True)
     with until_signalled() as stopped, open_session(bus, "client") as zenoh:
         if not wait_for_sensor(zenoh, prefix):

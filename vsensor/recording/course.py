@@ -38,7 +38,8 @@ class Leg(NamedTuple):
 class Course:
     """The messages of these topics; gaps between sessions as they were, but no longer than `longest_gap_s`.
 
-    Raises InputError where a session holds none.
+    Sessions without one are passed over, as parts of a recording during which no samples came. Raises
+    InputError where none of them holds any.
     """
 
     def __init__(
@@ -49,11 +50,16 @@ class Course:
     ) -> None:
         self.topics = topics
         self.legs: list[Leg] = []
+        self.passed_over: list[Session] = []
         for session in sessions:
             first = next(session.messages(topics), None)
             if first is None:
-                raise InputError(f"{session.path}: holds none of {', '.join(topics)}")
-            self.legs.append(self._leg(session, first, longest_gap_s))
+                self.passed_over.append(session)
+            else:
+                self.legs.append(self._leg(session, first, longest_gap_s))
+        if not self.legs:
+            paths = ", ".join(str(session.path) for session in sessions)
+            raise InputError(f"{paths}: holds none of {', '.join(topics)}")
 
     @property
     def length_ns(self) -> int:

@@ -51,16 +51,22 @@ def _both(axes: Axes, change: Change) -> None:
 def _changes(axes: Axes, changes: list[Change]) -> None:
     for change in reversed(changes):
         kind = change.quantity.kind
-        label = f"{kind}: rms {change.rms:.3g} {change.quantity.unit}, at most {abs(change.largest):.3g}"
+        label = f"{kind}: rms {change.rms:.3g}, at most {abs(change.largest):.3g}"
         _band(axes, change.envelope.time_s, change.envelope.change, _COLOURS[kind], label)
-    kinds = " and ".join(change.quantity.kind for change in changes)
-    axes.set_title(f"change of {kinds}, {changes[0].quantity.unit}", loc="left")
+    axes.set_title(f"change, {changes[0].quantity.unit}", loc="left")
     _key(axes)
 
 
 def _key(axes: Axes) -> None:
     """Beside the title, where it hides nothing."""
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=2, borderaxespad=0.2)
+    axes.legend(
+        loc="lower right",
+        bbox_to_anchor=(1.0, 0.98),
+        ncols=2,
+        borderaxespad=0.2,
+        handlelength=1.2,
+        columnspacing=1.2,
+    )
 
 
 def _band(
