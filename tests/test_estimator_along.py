@@ -185,6 +185,15 @@ def test_what_is_heard_of_waves_may_be_added_late(seed: int, steps: int, lag: in
     np.testing.assert_allclose(late[..., known & 63], at_once[..., known & 63], atol=1e-12)
 
 
+def test_both_sides_of_a_joint_inside_a_section_are_one_place() -> None:
+    """Two pipes so short that they share a section of one step, and meet just where that is rounded."""
+    pipe = PIPE.model_copy(update={"length": 3.0})
+    _, at = laid_out((pipe, pipe))
+    (meet,) = np.flatnonzero(np.diff(at.component))
+    assert at.section[meet] == at.section[meet + 1]
+    assert at.inside[meet] == at.inside[meet + 1]
+
+
 def test_a_standing_wave() -> None:
     """A pipe free at its bottom: ω = A cos k(L−d) cos Ωt, T = −ζA sin k(L−d) sin Ωt (wave equation)."""
     pipe = PIPE.model_copy(update={"viscous_friction": 0.0})

@@ -79,7 +79,8 @@ def stations(string: Sequence[Component], line: Line, junctions: Floats) -> Stat
     depth, component, seen = station_depths(string)
     last = len(line.impedance) - 1
     section = np.clip(np.searchsorted(junctions, seen, side="right") - 1, 0, last)
-    share = np.clip((seen - junctions[section]) / np.diff(junctions)[section], 0.0, 1.0)
+    # Both sides of a joint inside a section are one place.
+    share = np.clip((depth - junctions[section]) / np.diff(junctions)[section], 0.0, 1.0)
     steps = line.round_trip // 2
     inside = np.floor(share * steps[section] + 0.5).astype(np.int64)
     share = inside / steps[section]
@@ -143,15 +144,18 @@ def late_correction(heard: Heard, of_innovation: Floats, step: int, least: int) 
     return total
 
 
-@compiled
 def catch_up(heard: Heard, waves: Floats, returned: Floats) -> None:
     """Correct all waves, (M, size) each, by what was heard of them so far."""
-    newest, size = (heard.newest + 1) * heard.steps - 1, waves.shape[1]
-    for i in range(waves.shape[0]):
-        for step in range(newest - size + 1, newest + 1):
-            at = step & (size - 1)
-            waves[i, at] += late_correction(heard, heard.of_waves[:, i], step, heard.inside[i])
-            returned[i, at] += late_correction(heard, heard.of_returned[:, i], step, 0)
+    size, lag = waves.shape[1], heard.of_waves.shape[2]
+    late = np.arange(lag) >= heard.inside[:, None]
+    for before in range(min(len(heard.innovations), -(-size // heard.steps))):
+        at = (heard.newest - before) % len(heard.innovations)
+        last = (heard.newest - before + 1) * heard.steps - 1
+        count = min(lag, size - before * heard.steps)
+        places = (last - np.arange(count)) % size
+        innovation, level = heard.innovations[at], heard.levels[at]
+        waves[:, places] += (innovation * heard.of_waves[level] * late)[:, :count]
+        returned[:, places] += (innovation * heard.of_returned[level])[:, :count]
 
 
 @compiled
