@@ -9,8 +9,8 @@ demo: $(STAMP)
 	$(BIN)/vsensor demo $(ARGS)
 
 test: $(STAMP)
-	$(BIN)/pytest $(ARGS)
-	NUMBA_DISABLE_JIT=1 $(BIN)/pytest --quiet tests/test_estimator_*.py
+	$(BIN)/pytest --numprocesses=2 --dist=loadfile $(ARGS)
+	NUMBA_DISABLE_JIT=1 $(BIN)/pytest --quiet --numprocesses=2 tests/test_estimator_*.py
 
 check: $(STAMP)
 	$(BIN)/ruff check .
