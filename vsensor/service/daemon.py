@@ -44,6 +44,8 @@ REFUSING_SHARE = 0.5
 """Of a flood, half of what may be accepted in a turn is refused in it: the rest waits, and falls out."""
 LONGEST_TURN_S = 0.05
 """A turn with more to make up for leaves the rest to the next: status, commands and signals do not wait."""
+SEAT_PATIENCE_S = 1.5
+"""Links to other routers are made by then, and it is known whether another sensor speaks."""
 
 
 class Daemon:
@@ -82,7 +84,10 @@ class Daemon:
         self._owed = 0
         self._owed_until = 0
         self._reload = reload
-        self._seat = Seat(session, rig.prefix, stand_by=stand_by)
+        alone = not (rig.bus.connect or rig.bus.multicast_scouting)
+        self._seat = Seat(
+            session, rig.prefix, stand_by=stand_by, patience_s=0.0 if alone else SEAT_PATIENCE_S
+        )
         self._outbox.muted = not self._seat.taken
 
     def run(self, pace: Pace, told: Callable[[Status], None], stopped: Callable[[], bool]) -> None:

@@ -19,9 +19,13 @@ CAPACITY = 256
 
 
 class Seat:
-    """The place of the one sensor that speaks; never waits."""
+    """The place of the one sensor that speaks; never waits but at the start.
 
-    def __init__(self, session: zenoh.Session, prefix: str, *, stand_by: bool) -> None:
+    There it listens for `patience_s` whether the seat is taken: BusError where it is, and it was not told to
+    stand by. Clocks of two machines differ, so the time of a claim alone would not do.
+    """
+
+    def __init__(self, session: zenoh.Session, prefix: str, *, stand_by: bool, patience_s: float) -> None:
         self.taken = False
         """Whether it is ours."""
         self._session = session
@@ -39,6 +43,11 @@ class Seat:
         self._events = session.declare_subscriber(
             f"{prefix}/{SENSOR_EVENT}", zenoh.handlers.RingChannel(CAPACITY)
         )
+        until = time.monotonic() + patience_s
+        while not (others := self._others()) and time.monotonic() < until:
+            time.sleep(0.02)
+        if others and not stand_by:
+            raise self._refused()
         if not stand_by:
             self._take()
 
@@ -47,17 +56,11 @@ class Seat:
 
         Raises BusError where it is another's, and this one was not told to stand by.
         """
-        while (heard := self._heard.try_recv()) is not None:
-            claim = str(heard.key_expr).rpartition("/")[2]
-            (self._claims.add if heard.kind == zenoh.SampleKind.PUT else self._claims.discard)(claim)
-        others = self._claims - {self._claim}
+        others = self._others()
         if self.taken and others and min(others) < self._claim:
             self._leave()
             if not self._stands_by:
-                raise BusError(
-                    f"another sensor speaks for {self._prefix}, since before: end it, or run this one "
-                    "with --stand-by, to take its place when it ends"
-                )
+                raise self._refused()
             return "another sensor speaks for this rig: standing by"
         if not self.taken and not others:
             self._claim = f"{time.time_ns():020d}-{self._session.info.zid()}"
@@ -75,6 +78,19 @@ class Seat:
                 obey(words)
             except ValueError:  # it was not for us: of the other's recording, or of another string
                 continue
+
+    def _others(self) -> set[str]:
+        """Claims of other sensors, as far as heard."""
+        while (heard := self._heard.try_recv()) is not None:
+            claim = str(heard.key_expr).rpartition("/")[2]
+            (self._claims.add if heard.kind == zenoh.SampleKind.PUT else self._claims.discard)(claim)
+        return self._claims - {self._claim}
+
+    def _refused(self) -> BusError:
+        return BusError(
+            f"another sensor speaks for {self._prefix}, since before: end it, or run this one "
+            "with --stand-by, to take its place when it ends"
+        )
 
     def _overheard(self) -> list[str]:
         words = []
