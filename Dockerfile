@@ -37,7 +37,7 @@ WORKDIR /var/lib/vsensor
 VOLUME ["/var/lib/vsensor", "/var/cache/vsensor"]
 EXPOSE 7447
 STOPSIGNAL SIGTERM
-HEALTHCHECK --interval=10s --timeout=5s --start-period=5m --retries=3 \
+HEALTHCHECK --interval=10s --timeout=5s --start-period=10m --retries=3 \
     CMD ["python", "-c", "import urllib.request; urllib.request.urlopen('http://127.0.0.1:9464/livez', timeout=4)"]
 ENTRYPOINT ["vsensor"]
 CMD ["run", "/etc/vsensor/rig.toml"]

@@ -54,7 +54,7 @@ def test_of_a_kind_that_comes_too_often_some_lines_come_and_the_rest_is_counted(
         for number in range(100):
             log.warning("turns skipped", number=number)
         log.info("state", state="running")
-        now += 10**9
+        now += 10**10
         log.warning("turns skipped", number=100)
     lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert [line["number"] for line in lines if "number" in line] == [*range(BURST), 100]

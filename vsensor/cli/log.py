@@ -21,9 +21,9 @@ from vsensor.allowance import Allowance
 
 Line = MutableMapping[str, Any]
 
-PER_SECOND = 1.0
+PER_SECOND = 0.1
 BURST = 5
-"""Lines of one kind: five at once and then one a second, however often it happens."""
+"""Lines of one kind: five at once and then one in ten seconds, however often it happens."""
 
 WAITING = 1000
 """Lines that may wait for whoever reads them."""
