@@ -49,6 +49,9 @@ class Rig:
     def hear(self) -> int:
         """Take in what has come; how many samples that makes."""
         self._questions.answer(self._obey)
+        return self._take_in()
+
+    def _take_in(self) -> int:
         for received in self._inbox.drain():
             assert received.sample is not None
             self.samples.append((received.topic, received.sample))
@@ -57,7 +60,7 @@ class Rig:
     def _obey(self, words: str) -> str:
         if words == "nonsense":
             raise ValueError("is no command")
-        self.told.append(f"{len(self.samples)} {words}")
+        self.told.append(f"{self._take_in()} {words}")  # the player waits: no more has been sent
         return "done"
 
     def until(self, true: Callable[[], bool], seconds: float = 40.0) -> None:
