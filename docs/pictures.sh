@@ -1,38 +1,49 @@
 #!/bin/sh
-# The picture of the live view that the documentation shows, of a file that `vsensor view --save` wrote:
+# The pictures of the view that the documentation shows, one of each tab, of a minute's demonstration or of a session:
 #
-#     docs/pictures.sh view.rrd docs/images/view.png [1600x900]
+#     docs/pictures.sh [SESSION.mcap [WIDTHxHEIGHT]]
 #
 # Needs no screen, but an X server without one and Vulkan in software; on Debian and Ubuntu:
-#     apt-get install xvfb mesa-vulkan-drivers
+#     apt-get install xvfb xauth mesa-vulkan-drivers
 set -eu
+cd "$(dirname "$0")/.."
 
-if [ $# -lt 2 ]; then
-    echo "usage: $0 RECORDING.rrd PICTURE.png [WIDTHxHEIGHT]" >&2
-    exit 2
-fi
-recording=$1 picture=$2 size=${3:-1600x900}
 python=${PYTHON:-.venv/bin/python}
-
-if [ ! -r "$recording" ]; then
-    echo "$0: $recording cannot be read: make one by: vsensor view CONFIG --save $recording" >&2
-    exit 2
-fi
+size=${2:-1600x900}
 if ! command -v xvfb-run >/dev/null; then
-    echo "$0: xvfb-run is missing: apt-get install xvfb mesa-vulkan-drivers" >&2
+    echo "$0: xvfb-run is missing: apt-get install xvfb xauth mesa-vulkan-drivers" >&2
     exit 1
+fi
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+session=${1:-}
+if [ -z "$session" ]; then
+    command="$PWD/$python"
+    (cd "$work" && "$command" -m vsensor.cli.main demo --headless --duration 60)
+    session=$(ls "$work"/recordings/*.mcap)
 fi
 # The binary, not the script `rerun` about it, which would orphan it when it is ended.
 rerun=$("$python" -c 'from importlib.resources import files; print(files("rerun_cli") / "rerun")')
 
-# The pointer stands in the middle of the X screen: on one so large it is outside of the window, and
-# points at nothing. RUST_LOG and CI: no messages, and no usage statistics sent to Rerun's makers.
-rm -f "$picture"
-CI=1 RUST_LOG=error WGPU_BACKEND=vulkan timeout 120 \
-    xvfb-run --auto-servernum --server-args '-screen 0 7000x4000x24' \
-    "$rerun" --bind 127.0.0.1 --port auto "$recording" --window-size "$size" --screenshot-to "$picture"
-
-if [ ! -s "$picture" ]; then
-    echo "$0: Rerun made no picture; is mesa-vulkan-drivers installed?" >&2
-    exit 1
-fi
+for tab in driller engineer service; do
+    "$python" -m vsensor.cli.main view --session "$session" --tab "$tab" --save "$work/$tab.rrd"
+    # The pointer stands in the middle of the X screen: on one so large it is outside of the window, and
+    # points at nothing. RUST_LOG and CI: no messages, and no usage statistics sent to Rerun's makers.
+    CI=1 RUST_LOG=error WGPU_BACKEND=vulkan timeout 300 \
+        xvfb-run --auto-servernum --server-args '-screen 0 7000x4000x24' \
+        "$rerun" --bind 127.0.0.1 --port auto "$work/$tab.rrd" --window-size "$size" \
+        --screenshot-to "$work/$tab.png"
+    if [ ! -s "$work/$tab.png" ]; then
+        echo "$0: Rerun made no picture; is mesa-vulkan-drivers installed?" >&2
+        exit 1
+    fi
+    # As large as a page shows it.
+    "$python" -c '
+import sys
+from PIL import Image
+picture = Image.open(sys.argv[1]).convert("RGB")
+picture.thumbnail((1600, 900), Image.Resampling.LANCZOS)
+picture.save(sys.argv[2], optimize=True)
+' "$work/$tab.png" "docs/images/view-$tab.png"
+done

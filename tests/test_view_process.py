@@ -3,31 +3,23 @@
 import os
 import re
 import signal
-import socket
 import subprocess
 import sys
 import threading
 import time
-import urllib.request
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 from rerun.chunk import RrdReader
 
+from tests.view_process import PATIENCE_S, children, free_port, gone, page, reachable, until
 from tests.view_rig import messages
 from vsensor.bus import Outbox, open_session
 from vsensor.config import Bus
 
 pytestmark = pytest.mark.process
-PATIENCE_S = 30.0
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 @pytest.fixture
@@ -84,9 +76,8 @@ class View:
 
     def viewer(self) -> int:
         """The process id of the viewer that it has started."""
-        children = Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text().split()
-        assert len(children) == 1
-        return int(children[0])
+        (viewer,) = children(self.process.pid)
+        return viewer
 
     def end(self, how: signal.Signals = signal.SIGINT) -> int:
         self.process.send_signal(how)
@@ -100,26 +91,6 @@ def view(*arguments: str, rig: Sequence[str] = ("--rig", "t")) -> Iterator[View]
         yield running
     finally:
         running.close()
-
-
-def until(question: Callable[[], bool]) -> None:
-    end = time.monotonic() + PATIENCE_S
-    while not question():
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.02)
-
-
-def gone(pid: int) -> bool:
-    """Whether a process has ended; one that nobody has waited for yet has."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
-    except FileNotFoundError:
-        return True
-
-
-def page(url: str) -> str:
-    with urllib.request.urlopen(url, timeout=PATIENCE_S) as answer:  # noqa: S310 -- our own page
-        return str(answer.read(), "utf-8")
 
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
@@ -161,14 +132,6 @@ def test_the_page_is_served_to_this_machine_alone_and_ends_with_the_view(
         assert gone(viewer)
 
 
-def reachable(url: str) -> bool:
-    try:
-        page(url)
-    except OSError:
-        return False
-    return True
-
-
 def listening(pid: int) -> set[str]:
     """The addresses, as the kernel writes them, at which a process waits for connections."""
     inodes = {str(fd.readlink()) for fd in Path(f"/proc/{pid}/fd").iterdir() if fd.is_symlink()}
@@ -197,6 +160,28 @@ def test_a_killed_viewer_is_told_of_and_survived(endpoint: str) -> None:
         assert running.end() == 0
 
 
+def test_a_view_that_is_killed_takes_its_viewer_with_it(endpoint: str) -> None:
+    with view("--connect", endpoint, "--web") as running:
+        running.await_words("listening to rigs/t")
+        viewer = running.viewer()
+        os.kill(running.process.pid, signal.SIGKILL)
+        until(lambda: gone(viewer))
+
+
+def test_several_may_look_on_and_come_and_go(endpoint: str) -> None:
+    with view("--connect", endpoint, "--web") as one, view("--connect", endpoint, "--web") as other:
+        pages = [
+            re.findall(r"open (\S+)", seen.await_words("listening to rigs/t"))[0] for seen in (one, other)
+        ]
+        assert len({*pages}) == 2
+        for url in pages:
+            until(lambda: reachable(url))  # noqa: B023
+        assert one.end() == 0
+        assert other.process.poll() is None
+        assert "<html" in page(pages[1])
+        assert other.end() == 0
+
+
 def test_a_frozen_viewer_holds_nothing_up(endpoint: str) -> None:
     with view("--connect", endpoint, "--web") as running:
         running.await_words("listening to rigs/t")
@@ -212,12 +197,50 @@ def test_without_a_daemon_it_says_so_and_waits_until_told_to_end() -> None:
         assert running.end() == 0
 
 
+SESSION = "recordings/stick_slip.mcap"
+
+
+def test_a_session_is_written_in_the_same_layout_with_everything_in_it(tmp_path: Path) -> None:
+    file = tmp_path / "session.rrd"
+    with view("--session", SESSION, "--save", str(file), rig=()) as running:
+        assert running.process.wait(PATIENCE_S) == 0
+    reader = RrdReader(file)
+    assert reader.blueprints()
+    rows: dict[str, int] = {}
+    for chunk in reader.stream():
+        rows[chunk.entity_path] = rows.get(chunk.entity_path, 0) + chunk.num_rows
+    assert rows["/speed/at_surface"] >= 1954
+    for entity in ("/glance", "/string/twist/ribbon", "/string/torque/picture", "/rock/portrait/way/law"):
+        assert rows[entity] > 5
+
+
+def test_a_session_is_served_until_told_to_end() -> None:
+    ports = ["--port", str(free_port()), "--data-port", str(free_port())]
+    with view("--session", SESSION, "--web", *ports, rig=()) as running:
+        url = re.findall(r"open (\S+)", running.await_words("open http"))[0]
+        until(lambda: reachable(url))
+        assert running.end() == 0
+
+
+def test_a_session_without_estimates_is_refused_by_name(tmp_path: Path) -> None:
+    table, session = tmp_path / "log.csv", tmp_path / "log.mcap"
+    rows = [f"{number / 10},{7000 + number},10" for number in range(30)]
+    table.write_text("\n".join(["time_s,motor_torque_nm,motor_speed_rad_s", *rows]))
+    made = [sys.executable, "-m", "vsensor.cli.main", "import", str(table), "-o", str(session)]
+    subprocess.run([*made, "--config", "config/drilling.toml"], check=True, capture_output=True)
+    with view("--session", str(session), "--save", str(tmp_path / "x.rrd"), rig=()) as running:
+        assert running.process.wait(PATIENCE_S) == 1
+        running.await_words("holds no ticks of a sensor")
+
+
 @pytest.mark.parametrize(
     ("arguments", "fault"),
     [
         (["--connect", "nowhere"], "--connect"),
         (["--rig", "no/such name"], "--rig"),
         (["no-such-file.toml"], "no-such-file.toml"),
+        (["--session", SESSION], "--rig and --connect are for a running sensor"),
+        (["--torque-unit", "lbf"], "--torque-unit"),
     ],
 )
 def test_wrong_use_is_refused_with_what_would_be_right(arguments: list[str], fault: str) -> None:

@@ -74,7 +74,6 @@ def view(
             live=recorded is None,
         ) as screen,
     ):
-        say(place.words())
         new_stream = partial(Stream, units, Drive(drive.gear_ratio, drive.efficiency), how.history)
         show = Show(screen, new_stream)
         if recorded:
@@ -89,6 +88,8 @@ def _show_live(
     from vsensor.view.ears import Ears
     from vsensor.view.live import Live, run
 
+    say(place.words())
+    say("Ctrl-C ends it")
     with Ears(bus, prefix, say) as ears:
         run(Live(ears, show).turn, place, stopped, say)
 
@@ -110,7 +111,9 @@ def _show_session(
             f"{session.path}: holds no ticks of a sensor, hence no estimates to show; "
             "those of a daemon's session are shown, such as one that heard this session replayed"
         )
+    say(place.words())
     if place.kind != "file":
+        say("Ctrl-C ends it")
         run(lambda: None, place, stopped, say)
 
 

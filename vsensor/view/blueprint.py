@@ -83,7 +83,9 @@ def _engineer(history_s: float, units: Units) -> rrb.Vertical:
     below = rrb.Horizontal(
         _chart(series.SPECTRUM, "Spectrum of speed", chart.BOUNDS), portrait, column_shares=[5, 4]
     )
-    foretold = _plot(series.SPEED, f"Foretold and come, {units.speed}", history_s)
+    foretold = _plot(
+        series.SPEED, f"Foretold and come, {units.speed}", history_s, without=series.present(series.SPEED)
+    )
     left = rrb.Vertical(above, below, foretold, row_shares=[5, 5, 3])
     return rrb.Vertical(rrb.Horizontal(left, twist, column_shares=[7, 3]), name="Engineer")
 
@@ -123,9 +125,10 @@ def _bit_plot(origin: str, name: str, history_s: float, reach: Reach) -> rrb.Tim
     )
 
 
-def _plot(origin: str, name: str, history_s: float) -> rrb.TimeSeriesView:
+def _plot(origin: str, name: str, history_s: float, without: str = "") -> rrb.TimeSeriesView:
     return rrb.TimeSeriesView(
         origin=origin,
+        contents=["$origin/**", f"- {without}"] if without else "$origin/**",
         name=name,
         axis_x=rrb.TimeAxis(view_range=_range(history_s)),
         plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),

@@ -81,7 +81,7 @@ class Glance(Part):
             draw(Tile(ImageDraw.Draw(image), left, tile_width))
             left += tile_width + GAP
         file = io.BytesIO()
-        image.quantize(64).save(file, "PNG", compress_level=1)
+        image.quantize(64, Image.Quantize.FASTOCTREE).save(file, "PNG", compress_level=1)
         return file.getvalue()
 
     @property

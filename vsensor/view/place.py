@@ -63,7 +63,7 @@ class Place:
         }[self.kind]
         opened = ["whoever reaches this machine can look on"] if self._is_open else []
         written = [f"written to {self.save}"] if self.save else []
-        return "\n".join([*lines, *opened, *written, "Ctrl-C ends it"])
+        return "\n".join([*lines, *opened, *written])
 
     @property
     def _is_open(self) -> bool:

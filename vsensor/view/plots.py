@@ -10,7 +10,7 @@ from vsensor.messages import Description, Estimate, Message, Profile, Tick
 from vsensor.quality import Reason
 from vsensor.view import series
 from vsensor.view.batches import BandLook, Batch, Colour, DotLook, Look, Measured, Points
-from vsensor.view.palette import BLUE, DEEP_RED, GREY, ORANGE, PINK, VERMILION, WHITE
+from vsensor.view.palette import BLUE, DEEP_RED, GREY, ORANGE, PINK, VERMILION
 from vsensor.view.part import Every, Part
 from vsensor.view.readings import KINDS, reading
 from vsensor.view.trace import Trace
@@ -125,7 +125,7 @@ class Plots(Part):
         for plot in (series.SPEED, series.TORQUE):
             looks.append(Look(series.surface(plot), "surface", GREY, 1.5))
             looks += [BandLook(series.bit(plot, kind), *look) for kind, look in _BIT.items()]
-            looks.append(DotLook(series.present(plot), "present", WHITE, 5.0))
+            looks.append(DotLook(series.present(plot), "present", ORANGE, 5.0))
         for (where, (colour, width)), component in zip(_LIMITS.items(), self._components, strict=True):
             looks.append(Look(series.limit(where), f"limit {where}{component}", colour, width))
         return looks

@@ -10,10 +10,10 @@ from vsensor.view.charts.chart import Axis, Scale, axis
 from vsensor.view.palette import GREY, WHITE, opaque, scale
 from vsensor.view.part import Every, Part
 
-EVERY_NS = 200_000_000
+EVERY_NS = 400_000_000
 RADIUS = 0.035
 """Of the ribbon, the string's length being one: as thin as it is, it could not be seen."""
-RUNGS = 120
+RUNGS = 90
 """Bars across the ribbon, evenly along the string."""
 BAR_AT = np.array([0.30, 0.0, -1.0])
 BAR_LONG = 0.5
@@ -38,7 +38,7 @@ class Twist(Part):
             self._profile = message
 
     def batches(self) -> Iterator[Batch]:
-        """The ribbon, five times a second, as soon as it is known how the string lies."""
+        """The ribbon, some times a second, as soon as it is known how the string lies."""
         depth = np.array(self._profile.depth_m)
         if not len(depth) or len(depth) != len(self._description.depth_m) or not self._every.due(self.at_ns):
             return
@@ -52,9 +52,7 @@ class Twist(Part):
         colours = opaque(scale(legend.shares(stress)))
         one, other = _edges(path, turned)
         bars = tuple(np.stack(ends) for ends in zip(one, other, strict=True))
-        yield Strokes(f"{self._entity}/ribbon", self.at_ns, bars, colours, 4.0)
-        edges = tuple(edge[at : at + 2] for edge in (one, other) for at in range(RUNGS - 1))
-        yield Strokes(f"{self._entity}/ribbon/edges", self.at_ns, edges, (*colours[1:], *colours[1:]), 2.0)
+        yield Strokes(f"{self._entity}/ribbon", self.at_ns, bars, colours, 5.0)
         yield from self._labels(self.at_ns, depth, path, turned[-1])
         yield from self._legend(self.at_ns, legend.ticks(), legend.shares(legend.ticks()), legend)
 

@@ -1,0 +1,58 @@
+"""Processes of the view: ports for them, waiting for them, and whether they have ended."""
+
+import socket
+import time
+import urllib.request
+from collections.abc import Callable
+from pathlib import Path
+
+PATIENCE_S = 60.0
+"""Only a test that fails waits so long."""
+
+
+def free_port() -> int:
+    """A port of this machine that nobody has."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def until(question: Callable[[], bool]) -> None:
+    """Ask again and again until it is so; AssertionError where it does not become so."""
+    end = time.monotonic() + PATIENCE_S
+    while not question():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.02)
+
+
+def gone(pid: int) -> bool:
+    """Whether a process has ended; one that nobody has waited for yet has."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return True
+
+
+def children(pid: int) -> list[int]:
+    """The processes that a process's main thread has started."""
+    return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+
+
+def offspring(pid: int) -> list[int]:
+    """Those, and theirs."""
+    return [each for child in children(pid) for each in (child, *offspring(child))]
+
+
+def page(url: str) -> str:
+    """What a server of ours answers."""
+    with urllib.request.urlopen(url, timeout=PATIENCE_S) as answer:  # noqa: S310 -- our own page
+        return str(answer.read(), "utf-8")
+
+
+def reachable(url: str) -> bool:
+    """Whether it answers."""
+    try:
+        page(url)
+    except OSError:
+        return False
+    return True
