@@ -1,18 +1,26 @@
 """What holds for all tests."""
 
 import os
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
 from tests.daemons import free_bus
-from vsensor.config import Bus
+from vsensor.config import Bus, load
+from vsensor.estimator.estimator import Estimator
 
 # A loaded machine is no fault of the code: no test is failed for how long it took.
 settings.register_profile("vsensor", deadline=None)
 # CI tells whether a change broke something: the same examples each time. At a desk new ones are tried.
 settings.register_profile("ci", deadline=None, derandomize=True)
 settings.load_profile("ci" if os.environ.get("CI") else "vsensor")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Compile once what tests, the processes that run them, and daemons would each compile at once."""
+    if not hasattr(config, "workerinput"):
+        Estimator(load(Path(__file__).parents[1] / "config" / "drilling.toml"))
 
 
 @pytest.fixture
