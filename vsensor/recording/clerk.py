@@ -61,6 +61,7 @@ class Clerk:
         """Losses at which the present file tells last what the sensor remembered."""
         self._farewell = False
         self._state = 0
+        self._orders = 0
         self._events: list[tuple[str, bool, str]] = []
         self._complete: list[str] = []
 
@@ -132,6 +133,7 @@ class Clerk:
         news: News = {
             "path": "" if part is None else str(part.path),
             "state": self._state,
+            "orders": self._orders,
             "lost": self._lost + self._overrun(),
             "trouble": self._trouble,
             "wanted": self._wanted,
@@ -202,6 +204,7 @@ class Clerk:
 
     def _hear_of_losses(self, order: dict[str, Any]) -> None:
         self._lost_by_daemon = order["dropped"]
+        self._orders = order.get("orders", self._orders)
 
     def _open(self, path: Path | None, checkpoint: wire.Checkpoint, continues: str) -> None:
         path = untaken(path or session_path(self._folder, self._rig))

@@ -74,6 +74,7 @@ class Recorder:
         self._lost_before = 0
         self._relaunch: Relaunch | None = None
         self._resumes = False
+        self._orders = 0
         self._processors = processors
         self._order = {
             "path": str(path),
@@ -136,11 +137,12 @@ class Recorder:
             return False
         if order == wire.KEEP and self._resumes and self._wanted:
             order = wire.START
-        words = {"order": order, "path": path, "dropped": self.unsent}
+        words = {"order": order, "path": path, "dropped": self.unsent, "orders": self._orders + 1}
         try:
             self._states.send(self._socket, words, time.time_ns(), state, arrays)
         except OSError:
             return False
+        self._orders += 1
         self.wants = self._resumes = False
         return True
 
@@ -149,9 +151,10 @@ class Recorder:
         self.send()
         words = {"order": order, "path": path, "seconds": seconds, "dropped": self.unsent}
         try:
-            self._socket.send(wire.packed_order(words, time.time_ns()))
+            self._socket.send(wire.packed_order({**words, "orders": self._orders + 1}, time.time_ns()))
         except OSError:
             return False
+        self._orders += 1
         return True
 
     def look(self) -> list[Note]:
@@ -177,7 +180,8 @@ class Recorder:
         return self._trouble
 
     def _hear(self, news: dict[str, Any]) -> None:
-        self.path = news["path"]
+        if news["orders"] == self._orders:  # else it was said before the last order had arrived
+            self.path = news["path"]
         self.figures = news["figures"]
         self.wants = news["wants"]
         self.complete += news["complete"]
