@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from vsensor.arrivals import Feed, Inputs
 from vsensor.config import Rig
 from vsensor.grid import NS
+from vsensor.intake.arrivals import Feed, Inputs
 from vsensor.offline import Offline
 from vsensor.tables import SurfaceTable, read_surface, surface_samples
 

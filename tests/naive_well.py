@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from vsensor.config import Component
-from vsensor.well import Station, Wellbore
+from vsensor.config.well import Station, Wellbore
 
 Vector = tuple[float, float, float]
 

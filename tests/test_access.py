@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from tests.locks import EXAMPLES, USERS, Etc, make_authority
-from vsensor.access import PASSWORD, SETTINGS
 from vsensor.bus import open_session
+from vsensor.bus.access import PASSWORD, SETTINGS
 from vsensor.config import Bus, loads
 from vsensor.errors import BusError, ConfigError, VsensorError
 

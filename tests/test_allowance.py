@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsensor.allowance import NS, Allowance
+from vsensor.bus.allowance import NS, Allowance
 
 steps = st.lists(st.integers(0, NS // 10), min_size=1, max_size=300)
 

@@ -8,9 +8,8 @@ from hypothesis import strategies as st
 from tests.strings import PIPE, rig
 from tests.test_intake import BEGUN, MS, SMALL, S, T
 from tests.test_intake_books import Fed, feeds
-from vsensor import arrivals
-from vsensor.arrivals import Arrivals, by_columns, laid
-from vsensor.intake import Input, Intake
+from vsensor.intake import Input, Intake, arrivals
+from vsensor.intake.arrivals import Arrivals, by_columns, laid
 from vsensor.messages import Sample
 
 

@@ -11,8 +11,8 @@ import pytest
 import zenoh
 
 from tests.daemons import free_bus, wait_until
-from vsensor import bus as bus_module
 from vsensor.bus import Feed, Outbox, Received, SurfaceInbox, open_session, wait_for_sensor
+from vsensor.bus import inbox as bus_module
 from vsensor.config import Bus
 from vsensor.errors import BusError, ConfigError
 from vsensor.messages import (

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from tests.naive_well import wall_torque
 from vsensor.config import Component
+from vsensor.config.well import Station, Wellbore, from_surface
 from vsensor.estimator import component, wellpath
 from vsensor.estimator.component import GRAVITY, buoyed_weight
 from vsensor.estimator.sections import cut
@@ -19,7 +20,6 @@ from vsensor.estimator.wellpath import (
     wall_friction,
     well_path,
 )
-from vsensor.well import Station, Wellbore, from_surface
 
 PIPE = Component(length=900, outer_diameter=0.127, inner_diameter=0.1086, tool_joint_diameter=0.168)
 COLLAR = Component(length=150, outer_diameter=0.1652, inner_diameter=0.0714)

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from tests.strings import PIPE, rig
 from vsensor.errors import InputError
-from vsensor.intake import NS, Input, Intake
+from vsensor.grid import NS
+from vsensor.intake import Input, Intake
 from vsensor.messages import SENSOR_EVENT, SURFACE_SPEED, SURFACE_TORQUE, Event, Sample
 from vsensor.quality import Reason
 

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from tests.strings import PIPE, rig
 from tests.test_intake import BEGUN, MS, SMALL, S, T, both, reading, steps, ticks
-from vsensor.intake import NS, Input, Intake
+from vsensor.grid import NS
+from vsensor.intake import Input, Intake
 from vsensor.messages import ChannelStatus, Sample
 from vsensor.messages.books import REFUSALS, refused
 from vsensor.messages.vsensor_pb2 import BAD, UNCERTAIN

@@ -3,7 +3,8 @@
 import pytest
 
 from tests.test_intake import BEGUN, MS, SMALL, Feed, S, T, both, one, reading, steps, ticks
-from vsensor.intake import NS, Intake
+from vsensor.grid import NS
+from vsensor.intake import Intake
 from vsensor.messages import Sample
 
 JUMPS = [3600.0, -3600.0, 10.0, -10.0, 1e8, -1e8]

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsensor.intake import NS
+from vsensor.grid import NS
 from vsensor.service.pace import MonotonicClock, Pace, Slot
 
 MS = 1_000_000

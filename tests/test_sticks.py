@@ -3,7 +3,7 @@
 import pytest
 
 from tests.strings import PIPE, rig
-from vsensor.intake import NS
+from vsensor.grid import NS
 from vsensor.messages import Estimate
 from vsensor.service.sticks import AGREED, LEAD_S, TOLERANCE_NS, Sticks
 

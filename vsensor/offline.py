@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vsensor import checkpoint
-from vsensor.arrivals import Arrivals, Feed, Inputs, by_columns, laid
 from vsensor.config import Rig
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.kernel import (
@@ -23,6 +22,7 @@ from vsensor.estimator.kernel import (
 )
 from vsensor.grid import NS, seconds
 from vsensor.intake import Input, Intake
+from vsensor.intake.arrivals import Arrivals, Feed, Inputs, by_columns, laid
 from vsensor.messages import State
 from vsensor.quality import Reason, verdict
 

@@ -10,12 +10,12 @@ from typing import ParamSpec, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from vsensor.arrivals import Arrivals, laid
 from vsensor.bench.table import Table
 from vsensor.config import Rig, load
 from vsensor.demo import example
 from vsensor.estimator.estimator import Estimator
 from vsensor.intake import Intake
+from vsensor.intake.arrivals import Arrivals, laid
 from vsensor.messages import Sample
 from vsensor.offline import Offline
 from vsensor.simulate.rig import SimulatedRig

@@ -13,11 +13,11 @@ from rich.text import Text
 
 from vsensor.cli.oddities import oddities, wall_torque
 from vsensor.config import Rig, load
+from vsensor.config.well import Wellbore
 from vsensor.estimator import component
 from vsensor.estimator.modes import torsional_modes
 from vsensor.estimator.strength import hanging_weight, torsional_limit
 from vsensor.estimator.wellpath import contact, direction, vertical_depth, wall_friction, well_path
-from vsensor.well import Wellbore
 
 MODES = 4
 RPM = 30 / math.pi

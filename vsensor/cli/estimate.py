@@ -12,7 +12,7 @@ from vsensor.config import Rig, load, loads
 from vsensor.errors import ConfigError, InputError
 
 if TYPE_CHECKING:
-    from vsensor.arrivals import Feed
+    from vsensor.intake.arrivals import Feed
     from vsensor.messages import Event, Sample
     from vsensor.offline import Offline
     from vsensor.service.engine import Engine
@@ -59,8 +59,8 @@ def _rig(source: Path, config: Path | None) -> Rig:
 
 def _feed(source: Path) -> "Feed":
     """Samples by columns and, of a session, what the sensor was told between them."""
-    from vsensor.arrivals import Arrivals
     from vsensor.intake import OBEYED
+    from vsensor.intake.arrivals import Arrivals
     from vsensor.recording.feed import feed
     from vsensor.recording.reader import Session
     from vsensor.tables import surface_pieces
@@ -76,7 +76,7 @@ def _feed(source: Path) -> "Feed":
 
 def _samples(source: Path) -> "Iterator[tuple[str, Sample | Event]]":
     """The same one by one."""
-    from vsensor.arrivals import Arrivals
+    from vsensor.intake.arrivals import Arrivals
 
     for come in _feed(source):
         if isinstance(come, Arrivals):

@@ -17,7 +17,7 @@ from structlog.dev import ConsoleRenderer
 from structlog.processors import JSONRenderer, LogfmtRenderer, TimeStamper, add_log_level
 from structlog.typing import FilteringBoundLogger
 
-from vsensor.allowance import Allowance
+from vsensor.bus.allowance import Allowance
 
 Line = MutableMapping[str, Any]
 

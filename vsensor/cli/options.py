@@ -5,8 +5,8 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from vsensor.config import Bus, Rig
+from vsensor.config.faults import every_fault
 from vsensor.errors import ConfigError
-from vsensor.faults import every_fault
 
 Model = TypeVar("Model", bound=BaseModel)
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vsensor.config import Component
+from vsensor.config.well import Station, Wellbore
 from vsensor.estimator import component
 from vsensor.estimator.wellpath import wall_friction
-from vsensor.well import Station, Wellbore
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

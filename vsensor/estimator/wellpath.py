@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vsensor.config import Component
+from vsensor.config.well import Station, Wellbore
 from vsensor.estimator.component import buoyed_weight
-from vsensor.well import Station, Wellbore
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

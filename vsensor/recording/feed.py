@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterator, Mapping
 
 import numpy as np
 
-from vsensor.arrivals import Arrivals, Feed
+from vsensor.intake.arrivals import Arrivals, Feed
 from vsensor.messages import (
     DEPTH_TOPICS,
     SENSOR_EVENT,

@@ -9,7 +9,7 @@ from vsensor.bus import Outbox, Received, SurfaceInbox
 from vsensor.commands import obey
 from vsensor.config import Rig
 from vsensor.errors import VsensorError
-from vsensor.intake import NS
+from vsensor.grid import NS
 from vsensor.messages import (
     BIT_ESTIMATE,
     BIT_SPEED,
@@ -111,6 +111,8 @@ class Daemon:
             self.health.end(time.monotonic_ns() - begun)
             if stopped():
                 break
+        # What had come when the word to stop did is still run, however long a turn that makes.
+        self._take_in(slot, lambda: True)
         self._each_second()
         self._hand_on()
         if self._keeper is not None and self._seat.taken:
@@ -120,7 +122,11 @@ class Daemon:
         self._count_owed(slot)
         self._seat.answer(self.status.SerializeToString, self._obey)
         until = time.monotonic_ns() + self._longest_ns
-        for received in self._inbox.drain(lambda: time.monotonic_ns() < until):
+        self._take_in(slot, lambda: time.monotonic_ns() < until)
+        self.health.listen()
+
+    def _take_in(self, slot: Slot, more: Callable[[], bool]) -> None:
+        for received in self._inbox.drain(more):
             if received.over_rate:
                 self._engine.intake.refuse_unread(received.topic)
                 continue
@@ -131,7 +137,6 @@ class Daemon:
                 tick.slot, tick.lateness_ns, tick.caught_up = slot.number, slot.lateness_ns, self._owed > 0
                 self._owed = max(self._owed - 1, 0)
                 self._publish_tick(tick, estimate)
-        self.health.listen()
 
     def _obey(self, words: str) -> str:
         if self._recording is not None and (said := self._recording.obey(words)) is not None:

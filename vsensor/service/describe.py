@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from vsensor.config import Component, Rig
+from vsensor.config.well import Station
 from vsensor.estimator import component
 from vsensor.estimator.along import station_depths
 from vsensor.estimator.estimator import Estimator
@@ -13,7 +14,6 @@ from vsensor.estimator.modes import torsional_modes
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.wellpath import place, well_path
 from vsensor.messages import Description
-from vsensor.well import Station
 
 EVERY_S = 10
 """A view that comes later waits no longer than so many seconds for the next one."""

@@ -23,7 +23,8 @@ from vsensor.estimator.kernel import (
     TORQUE_STD,
 )
 from vsensor.estimator.sections import Floats
-from vsensor.intake import NS, Input, Intake
+from vsensor.grid import NS
+from vsensor.intake import Input, Intake
 from vsensor.messages import Estimate, Event, Sample, State, Tick
 from vsensor.messages.vsensor_pb2 import Quality as QualityMessage
 from vsensor.quality import Reason, verdict

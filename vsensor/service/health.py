@@ -10,7 +10,7 @@ from vsensor import __version__
 from vsensor.config import Rig
 from vsensor.estimator.figures import BIT_SPEED, figures
 from vsensor.estimator.severity import severity
-from vsensor.intake import NS
+from vsensor.grid import NS
 from vsensor.messages import ChannelStatus, Status
 from vsensor.service.engine import Engine
 from vsensor.service.histogram import Histogram, quantile_s

@@ -4,7 +4,7 @@ import time
 from collections.abc import Iterator
 from typing import NamedTuple, Protocol
 
-from vsensor.intake import NS
+from vsensor.grid import NS
 
 
 class Clock(Protocol):

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from vsensor.config import Rig
 from vsensor.estimator.figures import STUCK_SPEED
-from vsensor.intake import NS
+from vsensor.grid import NS
 from vsensor.messages import Estimate
 
 LEAD_S = 0.2

@@ -7,7 +7,8 @@ from vsensor.commands import COMMAND
 from vsensor.config import Rig
 from vsensor.depth import Depths
 from vsensor.estimator.figures import STUCK_SPEED
-from vsensor.intake import FORECAST_SHED, NS
+from vsensor.grid import NS
+from vsensor.intake import FORECAST_SHED
 from vsensor.messages import Estimate, Event, Profile, Tick
 from vsensor.messages.vsensor_pb2 import BAD
 from vsensor.service.shed import NO_FORECAST, NO_PROFILE

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vsensor.channel import Channel, Point
 from vsensor.intake import FARTHEST_NS, Input, Intake
+from vsensor.intake.channel import Channel, Point
 from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Event, Sample
 from vsensor.messages.vsensor_pb2 import Quality as QualityMessage
 from vsensor.quality import Quality, Reason

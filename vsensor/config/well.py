@@ -6,7 +6,7 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from vsensor.schema import Azimuth, Density, Depth, Force, FrictionFactor, Inclination, Table
+from vsensor.config.schema import Azimuth, Density, Depth, Force, FrictionFactor, Inclination, Table
 
 TURNED_BACK = 1e-9
 """Directions whose cosine is so near to −1 leave open in which plane the well turns round."""

@@ -11,13 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vsensor.channel import Channel
 from vsensor.commands import COMMAND, obey
 from vsensor.config import Rig
 from vsensor.depth import Depths
 from vsensor.errors import InputError
-from vsensor.grid import NS as NS
-from vsensor.grid import Grid
+from vsensor.grid import NS, Grid
+from vsensor.intake.channel import Channel
 from vsensor.messages import DEPTH_TOPICS, SURFACE_SPEED, SURFACE_TORQUE, Event, Sample
 from vsensor.quality import Reason
 

@@ -1,0 +1,106 @@
+"""The rig as frozen, validated values in SI, read from a TOML file with units."""
+
+import tomllib
+from pathlib import Path
+from typing import Annotated, Self
+
+import tomli_w
+from pydantic import AfterValidator, Field, ValidationError, model_validator
+
+from vsensor.config.estimation import DepthSettings, EstimatorSettings, Tuning
+from vsensor.config.faults import every_fault
+from vsensor.config.hardware import Bit, Component, Measurement, TopDrive
+from vsensor.config.schema import (
+    Table,
+)
+from vsensor.config.service import Bus, KeptState, Loop, Metrics, Recording, View
+from vsensor.config.well import Station, Wellbore, from_surface
+from vsensor.errors import ConfigError
+
+
+class Rig(Table):
+    """A whole configuration. Lengths in m, torques in N·m, speeds in rad/s, times in s."""
+
+    class Name(Table):
+        """Which rig this is; part of every key on the bus."""
+
+        name: str = Field(
+            pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$",
+            max_length=64,
+            description='letters, digits and . _ - between them, such as "well-b"',
+        )
+
+    rig: Name = Field(description='[rig] with a name, such as name = "well-b"')
+    string: tuple[Component, ...] = Field(
+        min_length=1, description="one [[string]] table for each component, from the top drive down"
+    )
+    survey: Annotated[tuple[Station, ...], AfterValidator(from_surface)] = ()
+    wellbore: Wellbore | None = None
+    top_drive: TopDrive = TopDrive()
+    bit: Bit = Bit()
+    measurement: Measurement = Measurement()
+    estimator: EstimatorSettings = EstimatorSettings()
+    tuning: Tuning = Tuning()
+    depth: DepthSettings = DepthSettings()
+    loop: Loop = Loop()
+    bus: Bus = Bus()
+    recording: Recording = Recording()
+    state: KeptState = KeptState()
+    metrics: Metrics = Metrics()
+    view: View = View()
+
+    @model_validator(mode="after")
+    def _wall_told_once(self) -> Self:
+        if bool(self.survey) != bool(self.wellbore):
+            missing = "[wellbore] with mud_density" if self.survey else "[[survey]] tables"
+            raise ValueError(f"survey and wellbore need one another: write {missing} too, or leave out both")
+        if self.wellbore:
+            for number, part in enumerate(self.string, 1):
+                _hangs_in_mud(f'string[{number}] "{part.name}"', part, self.wellbore.mud_density)
+        return self
+
+    @property
+    def prefix(self) -> str:
+        """The start of every key on the bus."""
+        return self.bus.prefix.replace("{rig}", self.rig.name)
+
+
+def _hangs_in_mud(where: str, part: Component, mud_density: float) -> None:
+    if part.static_friction:
+        raise ValueError(
+            f"{where}: coulomb_friction and static_friction are an alternative to a survey, "
+            "which tells the wall's friction itself: leave out the one or the other"
+        )
+    if part.density <= mud_density:
+        raise ValueError(
+            f"wellbore.mud_density {mud_density:g} kg/m³ must be below the {part.density:g} kg/m³ of {where}"
+        )
+
+
+def load(path: Path) -> Rig:
+    """Read a configuration file; ConfigError tells every fault of it at once, each with its path."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path}: cannot be read as a text file: {error}") from error
+    return loads(text, str(path))
+
+
+def loads(text: str, source: str) -> Rig:
+    """Read a configuration from text; `source` names it in errors."""
+    try:
+        data = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise ConfigError(f"{source}: not valid TOML: {error}") from error
+    try:
+        return Rig.model_validate(data)
+    except ValidationError as error:
+        raise ConfigError(every_fault(error, data, Rig, source)) from error
+
+
+def effective_toml(rig: Rig) -> str:
+    """The whole configuration as TOML, defaults filled in, numbers in SI: reading it gives `rig` exactly.
+
+    It goes into each session, so that what was computed can be computed again.
+    """
+    return tomli_w.dumps(rig.model_dump(mode="json", exclude_none=True))
