@@ -9,7 +9,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
-from tests.view_rig import BEGUN_NS, COMPLIANCE, IMPEDANCE, LENGTH, description, estimate, profile, status
+from tests.view_rig import (
+    BEGUN_NS,
+    COMPLIANCE,
+    DEPTHS,
+    IMPEDANCE,
+    LENGTH,
+    description,
+    estimate,
+    profile,
+    status,
+)
 from vsensor.estimator import load
 from vsensor.messages import Estimate, Message, Profile, Status
 from vsensor.view.batches import Batch, Labels, Picture, Strokes
@@ -97,9 +107,10 @@ def test_the_ribbon_is_turned_at_the_bit_by_the_twist() -> None:
     bars = [line[1] - line[0] for line in ribbon.lines]
     units = [bar / np.linalg.norm(bar) for bar in bars]
     # Down to the bend every bar is level, so that the angle between them is the twist between them.
-    turned = (8000 * 750 - 5000 / LENGTH * 750**2 / 2) * COMPLIANCE
-    at = round(750 / LENGTH * (len(bars) - 1))
-    assert float(units[0] @ units[at]) == pytest.approx(math.cos(turned), abs=0.05)
+    at, depths = len(bars) // 4, np.array(DEPTHS)
+    turned = (8000 * depths - 5000 / LENGTH * depths**2 / 2) * COMPLIANCE
+    here = np.interp(at / (len(bars) - 1) * LENGTH, depths, turned)
+    assert float(units[0] @ units[at]) == pytest.approx(math.cos(here), abs=1e-6)
 
 
 def test_without_a_description_there_is_no_telling_how_the_string_lies() -> None:
