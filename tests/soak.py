@@ -26,21 +26,12 @@ from tests.rigs import NS, SHORT
 from vsensor.bus import SURFACE_CACHE, Outbox, open_session
 from vsensor.config import Rig
 from vsensor.messages import SENSOR_STATUS, SENSOR_TICK, SURFACE_SPEED, SURFACE_TORQUE, Sample, Status, Tick
+from vsensor.messages.books import REFUSALS
 from vsensor.recording.reader import Session
 from vsensor.recording.verify import verify
 from vsensor.service.engine import Engine
 
 CHANNELS = (SURFACE_TORQUE, SURFACE_SPEED)
-REFUSED = (
-    "unreadable",
-    "not_finite",
-    "out_of_range",
-    "doubled",
-    "late",
-    "jumped",
-    "bad_at_source",
-    "over_rate",
-)
 VIEWER = """
 import sys, zenoh
 with zenoh.open(zenoh.Config.from_json5(sys.argv[1])) as session:
@@ -270,7 +261,7 @@ def _imbalances(books: Books, status: Status, say: Callable[[str], None]) -> Ite
     say(f"shed {status.sheddings} times, {status.restarts} restarts, {status.slots_skipped} slots skipped")
     received = 0
     for channel in status.channels:
-        refused = {reason: getattr(channel, reason) for reason in REFUSED}
+        refused = {reason: getattr(channel, reason) for reason in REFUSALS}
         received += channel.received
         say(
             f"{channel.channel}: published {books.published[channel.channel]}, received {channel.received} "
