@@ -1,6 +1,7 @@
 """`vsensor bench`: speed, throughput and lateness, each beside its yardstick."""
 
 import json
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated
@@ -12,6 +13,10 @@ from rich.console import Console
 
 if TYPE_CHECKING:
     from vsensor.bench.table import Cell, Table
+
+
+FILE_WIDTH = 150
+"""Columns of a table that goes to a file: no figure of it is cut off."""
 
 
 class Benchmark(StrEnum):
@@ -50,7 +55,7 @@ def bench(
     rates = rate or RATES_HZ
     for hz in rates:
         deep_well(hz)  # an impossible rate is refused before anything is measured
-    console = Console()
+    console = Console(width=None if sys.stdout.isatty() else FILE_WIDTH)
     here = machine()
     console.print("; ".join(f"{name} {value}" for name, value in here.items()), highlight=False)
     tables: list[Table] = []
