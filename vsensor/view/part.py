@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 
-from vsensor.messages import Message
+from vsensor.messages import Description, Message, Profile
 from vsensor.view.batches import Batch
 
 
@@ -25,6 +25,21 @@ class Part(ABC):
     @abstractmethod
     def batches(self) -> Iterator[Batch]:
         """Hand over what there is to draw since the last call."""
+
+
+class AlongString(Part):
+    """One that is drawn of the newest profile, and of what the string is."""
+
+    def __init__(self) -> None:
+        self._description = Description()
+        self._profile = Profile()
+
+    def take(self, message: Message) -> None:
+        """Take in a profile, or what the string is."""
+        if isinstance(message, Description):
+            self._description = message
+        elif isinstance(message, Profile):
+            self._profile = message
 
 
 class Every:

@@ -4,11 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from vsensor.messages import Description, Message, Profile
 from vsensor.view.batches import Batch, Floats, Labels, Strokes
 from vsensor.view.charts.chart import Axis, Scale, axis
 from vsensor.view.palette import GREY, WHITE, opaque, scale
-from vsensor.view.part import Every, Part
+from vsensor.view.part import AlongString, Every
 
 EVERY_NS = 400_000_000
 RADIUS = 0.035
@@ -20,22 +19,14 @@ BAR_LONG = 0.5
 """Where the scale of colours stands, and how tall it is."""
 
 
-class Twist(Part):
+class Twist(AlongString):
     """The newest profile in space. Everything is drawn in lengths of the string; labels tell metres."""
 
     def __init__(self, entity: str) -> None:
+        super().__init__()
         self._entity = entity
-        self._description = Description()
-        self._profile = Profile()
         self._stress = Scale(0.0)
         self._every = Every(EVERY_NS)
-
-    def take(self, message: Message) -> None:
-        """Take in a profile, or what the string is."""
-        if isinstance(message, Description):
-            self._description = message
-        elif isinstance(message, Profile):
-            self._profile = message
 
     def batches(self) -> Iterator[Batch]:
         """The ribbon, some times a second, as soon as it is known how the string lies."""

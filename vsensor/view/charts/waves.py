@@ -4,33 +4,24 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from vsensor.messages import Description, Message, Profile
 from vsensor.view.batches import Batch
 from vsensor.view.charts.chart import Chart, Scale, axis
 from vsensor.view.palette import BLUE, ORANGE
-from vsensor.view.part import Every, Part
+from vsensor.view.part import AlongString, Every
 from vsensor.view.units import Units
 
 EVERY_NS = 200_000_000
 
 
-class Waves(Part):
+class Waves(AlongString):
     """Both waves against depth, from the newest profile: T + ζω goes down, T − ζω up."""
 
     def __init__(self, entity: str, units: Units) -> None:
+        super().__init__()
         self._factor = units.torque_factor
         self._chart = Chart(entity, f"wave, {units.torque}", "depth, m", y_down=True)
         self._scale = Scale(0.0)
-        self._description = Description()
-        self._profile = Profile()
         self._every = Every(EVERY_NS)
-
-    def take(self, message: Message) -> None:
-        """Take in a profile, or what the string is."""
-        if isinstance(message, Description):
-            self._description = message
-        elif isinstance(message, Profile):
-            self._profile = message
 
     def batches(self) -> Iterator[Batch]:
         """Both curves, five times a second, as soon as the string's impedance is known."""
