@@ -79,6 +79,27 @@ def test_samples_of_both_channels_come_in_the_order_in_which_they_were_sent(
     assert all(before_ns <= each.received_ns <= time.time_ns() for each in got)
 
 
+def test_how_many_samples_waited_for_a_turn_is_known(
+    daemon: zenoh.Session, client: zenoh.Session, prefix: str
+) -> None:
+    inbox = SurfaceInbox(daemon, prefix, CHANNELS)
+    outbox = Outbox(client, prefix, reliable=True)
+    outbox.put(CHANNELS[0], Sample(value=1.0))
+    received(inbox, 1)
+    assert inbox.most_waiting() == 1
+    for number in range(50):
+        outbox.put(CHANNELS[0], Sample(value=1.0, sequence=number))
+    found: list[int] = []
+
+    def drained() -> bool:
+        found.append(sum(1 for _ in inbox.drain()))
+        return sum(found) == 50
+
+    wait_until(drained, "50 samples")
+    assert inbox.most_waiting() == max(found)
+    assert inbox.most_waiting() == 0
+
+
 def test_what_was_put_is_returned_for_the_recorder(client: zenoh.Session, prefix: str) -> None:
     sample = Sample(time_ns=1, value=2.0)
     assert Outbox(client, prefix, reliable=False).put(SURFACE_SPEED, sample) == sample.SerializeToString()

@@ -12,7 +12,7 @@ from vsensor.bus import command
 from vsensor.cli.main import app
 from vsensor.config import Bus, Rig
 from vsensor.errors import BusError
-from vsensor.messages import BIT_ESTIMATE, SENSOR_TICK, Estimate
+from vsensor.messages import BIT_ESTIMATE, SENSOR_STATUS, SENSOR_TICK, Estimate
 from vsensor.recording.reader import Session
 from vsensor.recording.verify import verify
 from vsensor.service.engine import Engine
@@ -64,6 +64,9 @@ def test_parts_and_snapshots_of_a_running_daemon_can_each_be_run_again(tmp_path:
         assert status.recording
         assert status.recording_free_bytes > 0
         assert status.recording_memory_s > 0
+        assert any(told.inbox_waiting for told in rig.heard(SENSOR_STATUS))  # type: ignore[union-attr]
+        status = rig.await_status(lambda status: status.recording_backlog_bytes > 0, "writing to the disk")
+        assert status.recorder_queue_bytes < status.recorder_queue_limit_bytes
         rig.await_status(lambda _: ("snapshot", True) in rig.events, "the snapshot")
         assert rig.events.count(("recording", False)) == 2
         assert sensor.end() == 0

@@ -102,12 +102,21 @@ def test_a_frozen_recorder_costs_messages_and_no_time(tmp_path: Path) -> None:
             slots += 1
         send(recorder, slots=100)
         assert recorder.dropped > 100
+        recorder.look()
+        told = recorder.figures
+        assert told["recorder_queue_bytes"] > 0.9 * told["recorder_queue_limit_bytes"]
         assert recorder.alive
         assert recorder.sent + recorder.dropped == 6 * (slots + 100)
         assert not recorder.close(0.2)
         assert f"still being written by process {recorder.pid}" in recorder.trouble()
     finally:
         os.kill(recorder.pid, signal.SIGCONT)
+
+    def read() -> bool:
+        recorder.look()
+        return recorder.figures["recorder_queue_bytes"] == 0
+
+    until(read)
     assert recorder.close(20)
     assert recorder.trouble() == ""
     assert readable(tmp_path / "a.mcap") == recorder.sent

@@ -21,3 +21,12 @@ def test_the_backlog_is_bounded_and_counts_messages() -> None:
     backlog.put(packet(1))
     assert backlog.take() == [packet(1)]
     assert backlog.take() == []
+
+
+def test_the_most_that_has_waited_is_known_after_it_was_taken() -> None:
+    backlog = Backlog(capacity=1000)
+    for _ in range(2):
+        backlog.put(packet(5))
+        backlog.put(packet(2))
+        backlog.take()
+    assert backlog.most == len(packet(7))

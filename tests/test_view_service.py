@@ -44,6 +44,16 @@ def test_lateness_work_and_age_are_drawn_in_milliseconds() -> None:
     np.testing.assert_allclose(line["/input/age/surface_torque"], [12.0])
 
 
+def test_what_waits_is_drawn_where_the_daemon_tells_it() -> None:
+    assert {*values(drawn(status()))} & {"/queues/inbox", "/queues/recorder", "/queues/disk"} == set()
+    told = status()
+    told.inbox_waiting, told.recorder_queue_bytes, told.recording_backlog_bytes = 7, 4500, 2_000_000
+    line = values(drawn(told))
+    assert line["/queues/inbox"] == [7]
+    assert line["/queues/recorder"] == [4.5]
+    assert line["/queues/disk"] == [2000]
+
+
 def test_losses_are_drawn_second_by_second() -> None:
     line = values(
         drawn(

@@ -60,6 +60,7 @@ class SurfaceInbox:
         self._misses = self._subscriber.sample_miss_listener(zenoh.handlers.RingChannel(MISSES_CAPACITY))
         self.missed = 0
         """Samples that the bus knows to be lost: cut off for longer than the publisher's cache reaches."""
+        self._waiting = 0
 
     def drain(self, more: Callable[[], bool] = lambda: True) -> Iterator[Received]:
         """Yield what has come since the last call, and no longer than there is time for `more`.
@@ -68,9 +69,10 @@ class SurfaceInbox:
         """
         self._count_missed()
         refused = 0
-        for _ in range(INBOX_CAPACITY):
+        for number in range(1, INBOX_CAPACITY + 1):
             if not more() or (raw := self._subscriber.try_recv()) is None:
                 return
+            self._waiting = max(self._waiting, number)
             topic = str(raw.key_expr)[self._skip :]
             allowance = self._allowances.get(topic)
             if allowance is None:
@@ -82,6 +84,11 @@ class SurfaceInbox:
             refused += 1
             if refused == self._most_refused:  # refusing takes time too
                 return
+
+    def most_waiting(self) -> int:
+        """The most samples that one drain has taken since the last call: as many had waited, at least."""
+        most, self._waiting = self._waiting, 0
+        return most
 
     def _count_missed(self) -> None:
         while (miss := self._misses.try_recv()) is not None:

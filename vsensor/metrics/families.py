@@ -73,6 +73,19 @@ GAUGES = {
     "memory_locked": ("memory_locked", "Whether the daemon's memory is locked."),
     "recording_bytes": ("recording_bytes", "Size of the session that is being written."),
     "recording_free_bytes": ("recording_free_bytes", "Free space on its disk."),
+    "inbox_waiting": (
+        "inbox_waiting_samples",
+        "Samples that waited for one turn of the loop: the most in the last second.",
+    ),
+    "recorder_queue_bytes": ("recorder_queue_bytes", "What waits in the socket to the recorder."),
+    "recorder_queue_limit_bytes": (
+        "recorder_queue_limit_bytes",
+        "What the socket to the recorder holds: beyond it messages are dropped.",
+    ),
+    "recording_backlog_bytes": (
+        "recording_backlog_bytes",
+        "What waited in the recorder for the disk: the most in the last second.",
+    ),
 }
 HISTOGRAMS = {
     "lateness": ("lateness_seconds", "Wake-up of the loop after its deadline."),

@@ -13,6 +13,8 @@ class Backlog:
     def __init__(self, capacity: int) -> None:
         self.dropped = 0
         """Messages, not packets."""
+        self.most = 0
+        """The most bytes that have waited since this was set back to 0."""
         self.ended = threading.Event()
         self._capacity = capacity
         self._held = 0
@@ -26,6 +28,7 @@ class Backlog:
             if self._held + size <= self._capacity:
                 self._items.append(item)
                 self._held += size
+                self.most = max(self.most, self._held)
                 return
         if isinstance(item, bytes):
             self.dropped += sum(1 for _ in wire.unpack(item))

@@ -2,13 +2,13 @@
 
 import contextlib
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from vsensor.errors import VsensorError
 from vsensor.recording import wire
-from vsensor.recording.backlog import Item
+from vsensor.recording.backlog import Backlog, Item
 from vsensor.recording.disk import Disk
 from vsensor.recording.limits import Limits
 from vsensor.recording.mend import Mender
@@ -29,7 +29,8 @@ class Clerk:
     """Writes the daemon's messages into sessions, and has news of it.
 
     A file begins with what the sensor remembers at that moment, so that each can be run again on its own;
-    where the clerk wants that, its news say so. Raises nothing once begun: what goes wrong is news.
+    where the clerk wants that, its news say so. Raises nothing once begun: what goes wrong is news. `backlog`
+    is where the messages wait before they are taken in.
     """
 
     def __init__(
@@ -37,7 +38,7 @@ class Clerk:
         path: Path,
         head: Head,
         limits: Limits,
-        overrun: Callable[[], int] = lambda: 0,
+        backlog: Backlog | None = None,
         disk: Disk | None = None,
     ) -> None:
         self.failed = False
@@ -46,7 +47,7 @@ class Clerk:
         self._rig = head.metadata.get("rig", "")
         self._head = head
         self._limits = limits
-        self._overrun = overrun
+        self._backlog = backlog or Backlog(0)
         self._disk = disk or Disk(self._folder, self._rig, limits)
         self._mender = Mender(self._folder, self._rig)
         self._snapshots = Snapshots(head, limits.memory)
@@ -134,7 +135,7 @@ class Clerk:
             "path": "" if part is None else str(part.path),
             "state": self._state,
             "orders": self._orders,
-            "lost": self._lost + self._overrun(),
+            "lost": self._lost + self._backlog.dropped,
             "trouble": self._trouble,
             "wanted": self._wanted,
             "wants": self._is_due(part) or self._has_gap if part else self._wanted and self._may_begin(),
@@ -145,6 +146,7 @@ class Clerk:
                 "recording_free_bytes": self._disk.free,
                 "recording_parts": self._parts,
                 "recording_deleted": self._disk.deleted,
+                "recording_backlog_bytes": self._backlog.most,
                 "recording_memory_s": self._snapshots.memory.reach(time.monotonic()),
             },
         }
@@ -272,7 +274,7 @@ class Clerk:
             self._tell("session_deleted", True, f"{path} was deleted to keep within the limits")
 
     def _losses(self) -> Losses:
-        return Losses(self._lost_by_daemon, self._lost + self._overrun())
+        return Losses(self._lost_by_daemon, self._lost + self._backlog.dropped)
 
     def _tell(self, name: str, begins: bool, text: str) -> None:
         self._events.append((name, begins, text))

@@ -60,7 +60,7 @@ def main(descriptor: int, processors: Collection[int]) -> int:
     path = Path(order["path"])
     head = Head(order["configuration"], order["metadata"], order["compression"])
     backlog = Backlog(BACKLOG_BYTES)
-    clerk = Clerk(path, head, Limits(**order["limits"]), overrun=lambda: backlog.dropped)
+    clerk = Clerk(path, head, Limits(**order["limits"]), backlog)
     try:
         if order["begin"]:
             clerk.begin(path)
@@ -103,6 +103,7 @@ def _record(backlog: Backlog, clerk: Clerk, reporter: Reporter) -> None:
         if time.monotonic() >= next_sync:
             clerk.each_second()
             reporter.tell()
+            backlog.most = 0
             next_sync = time.monotonic() + SYNC_S
 
 

@@ -6,9 +6,12 @@ kernel is the bounded queue: what it cannot take at once is dropped and counted.
 """
 
 import contextlib
+import fcntl
 import json
 import socket
+import struct
 import subprocess
+import termios
 import time
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict
@@ -50,7 +53,7 @@ class Recorder:
         self.complete: list[str] = []
         """Those that were completed, as far as it has told."""
         self.figures: Mapping[str, float] = {}
-        """What it tells of itself, by the names of the status' fields."""
+        """How much waits for it, and what it tells of itself, by the names of the status' fields."""
         self.wants = False
         """Whether it wants to know what the sensor remembers: see `checkpoint`."""
         self.sent = 0
@@ -172,6 +175,7 @@ class Recorder:
                     self._hear(json.loads(news))
             else:
                 self._bury()
+        self.figures = {**self.figures, **self._waiting()}
         notes, self._notes = self._notes, []
         return notes
 
@@ -190,6 +194,17 @@ class Recorder:
         self._lost = news["lost"]
         self._states.read = news["state"]
         self._notes += [(name, begins, text) for name, begins, text in news["events"]]
+
+    def _waiting(self) -> dict[str, int]:
+        """What lies in the socket, and how much of that there may be, both by the kernel's own count."""
+        with contextlib.suppress(OSError):
+            queued = fcntl.ioctl(self._socket, termios.TIOCOUTQ, struct.pack("i", 0))
+            limit = self._socket.getsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF)
+            return {
+                "recorder_queue_bytes": struct.unpack("i", queued)[0],
+                "recorder_queue_limit_bytes": limit,
+            }
+        return {}
 
     def _bury(self) -> None:
         if self.alive:

@@ -178,6 +178,7 @@ class Daemon:
             self._keeper.each_second()
         self._read_again()
         self.health.bus_missed = self._inbox.missed
+        self.health.inbox_waiting = self._inbox.most_waiting()
         level = self.health.second()
         self._engine.intake.forecast_shed = level >= NO_FORECAST
         for event in self._watch.shedding(level):

@@ -71,6 +71,8 @@ class Health:
         """Slot 0 of the loop, monotonic clock."""
         self.bus_missed = 0
         """Surface samples that the bus lost."""
+        self.inbox_waiting = 0
+        """The most of them that waited for one turn in the last second."""
         self.slots_run = 0
         self.slots_skipped = 0
         self.ticks = 0
@@ -185,6 +187,7 @@ class Health:
                 setattr(status, f"{name}_p99_s", quantile_s(second, 0.99))
         status.grid_ns = self.grid_ns
         status.bus_missed = self.bus_missed
+        status.inbox_waiting = self.inbox_waiting
         status.load = self.load
         status.shed = self.shedding.level
         status.sheddings = self.shedding.count

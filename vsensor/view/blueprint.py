@@ -95,7 +95,7 @@ def _service(history_s: float) -> rrb.Horizontal:
     work = _plot(series.WORK, "Work of a turn, ms", history_s)
     ages = _plot(series.AGES, "Age of the newest sample when the second ends, ms", history_s)
     losses = _plot(series.LOSSES, "Losses in each second", history_s)
-    queues = _plot(series.QUEUES, "Queues", history_s)
+    queues = _plot(series.QUEUES, "What waits: samples, messages, kB", history_s)
     conditions = _lanes((f"{series.SERVICE_STATES}/**",), "Sensor, quality and conditions", history_s)
     plots = rrb.Vertical(
         rrb.Horizontal(lateness, work), rrb.Horizontal(ages, losses), rrb.Horizontal(queues, conditions)

@@ -2,7 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from vsensor.messages import Message, Status, Tick
 from vsensor.units import factor
@@ -24,6 +24,15 @@ class Counter(NamedTuple):
     count: Callable[[Status], int]
 
 
+class Queue(NamedTuple):
+    """What the status tells of something that waits, and how it is drawn."""
+
+    name: str
+    field: Literal["inbox_waiting", "recorder_queue_bytes", "recording_backlog_bytes"]
+    look: tuple[str, Colour]
+    scale: float
+
+
 def _refused(status: Status) -> int:
     return sum(
         c.unreadable + c.not_finite + c.out_of_range + c.doubled + c.late + c.jumped + c.bad_at_source
@@ -37,6 +46,11 @@ _COUNTERS = (
     Counter("skipped", ("slots skipped", BLUE), lambda s: s.slots_skipped),
     Counter("unrecorded", ("messages not recorded", PINK), lambda s: s.recorder_dropped),
 )
+QUEUES = (
+    Queue("inbox", "inbox_waiting", ("samples for a turn of the loop", GREEN), 1.0),
+    Queue("recorder", "recorder_queue_bytes", ("kB for the recorder", BLUE), 1e-3),
+    Queue("disk", "recording_backlog_bytes", ("kB for the disk", ORANGE), 1e-3),
+)
 _LINES = (
     Look(series.EACH_TICK, "of each tick", GREEN, 1.5),
     Look(series.P99, "99 % below, of each second", VERMILION, 2.0),
@@ -45,7 +59,8 @@ _LINES = (
     Look(f"{series.AGES}/surface_torque", "torque", ORANGE, 2.0),
     Look(f"{series.AGES}/surface_speed", "speed", BLUE, 2.0),
     Look(f"{series.LOSSES}/unseen", "ticks that this view has missed", GREY, 2.0),
-    Look(f"{series.QUEUES}/view", "messages that waited for this view", WHITE, 2.0),
+    Look(f"{series.QUEUES}/view", "messages for this view", WHITE, 2.0),
+    *(Look(f"{series.QUEUES}/{q.name}", q.look[0], q.look[1], 2.0) for q in QUEUES),
     *(Look(f"{series.LOSSES}/{c.name}", c.look[0], c.look[1], 2.0) for c in _COUNTERS),
 )
 
@@ -96,6 +111,11 @@ class Service(Part):
         self._count_losses(status, at_ns)
         self._lines[f"{series.QUEUES}/view"].add(at_ns, self._waited)
         self._waited = 0
+        for queue in QUEUES:
+            if status.HasField(queue.field):
+                self._lines[f"{series.QUEUES}/{queue.name}"].add(
+                    at_ns, getattr(status, queue.field) * queue.scale
+                )
         self._out.append(Page(series.HEALTH, at_ns, words.health(status, self._missed)))
 
     def _count_losses(self, status: Status, at_ns: int) -> None:
