@@ -1,71 +1,123 @@
 """A session's messages in blocks: the bytes of some chunks, and where in them each message stands."""
 
-from collections.abc import Iterable, Iterator, Sequence
+import zlib
+from collections.abc import Iterable, Iterator
 from io import BytesIO
 from typing import NamedTuple
 
+import lz4.frame
 import numpy as np
+import zstandard
 from mcap.data_stream import ReadDataStream
+from mcap.exceptions import EndOfFile, UnsupportedCompressionError
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Message, Schema
-from mcap.stream_reader import get_chunk_data_stream
+from mcap.stream_reader import CRCValidationError
 
-from vsensor.recording.layout import (
-    MESSAGE_HEAD,
-    RECORD_HEAD,
-    Bytes,
-    Places,
-    find_records,
-)
-from vsensor.recording.scan import Scan
+from vsensor.recording.layout import MESSAGE_HEAD, RECORD_HEAD, Bytes, Places, find_records
+from vsensor.recording.scan import PLAUSIBLE_BYTES, Scan
 
 BLOCK_BYTES = 2 << 20
 """Messages of so many bytes are taken together: of fewer, NumPy's cost of a call would count."""
 
 
 class Block(NamedTuple):
-    """Messages as they stand in the file, in its order."""
+    """Messages in the file's order. Their place is used again for the next block."""
 
-    data: Sequence[Bytes]
-    """The bytes, those of each chunk apart."""
+    data: Bytes
+    """The bytes of some chunks, unpacked."""
     messages: Places
     """What `layout` finds of each, shape (n, 5)."""
-    ends: Places
-    """How many messages there are up to the end of each chunk, shape (chunks,)."""
 
 
 def blocks(scan: Scan) -> Iterator[Schema | Channel | Block]:
     """Yield a session's schemas and channels, and its messages in blocks: what tells of them comes before."""
-    waiting: list[tuple[Bytes, Places]] = []
-    size = 0
-    for record in scan.unpacked(unpack):
-        if isinstance(record, Schema | Channel):
+    place = _Place()
+    for record in scan.unpacked(place.unpack):
+        if isinstance(record, Message):
+            place.add(record)
+            if place.used >= BLOCK_BYTES:
+                yield place.block()
+        elif isinstance(record, Schema | Channel | Block):
             yield record
-        elif isinstance(record, Message | tuple):
-            waiting.append(_alone(record) if isinstance(record, Message) else record)
-            size += len(waiting[-1][0]) + MESSAGE_HEAD
-        if size >= BLOCK_BYTES:
-            yield _block(waiting)
-            waiting, size = [], 0
-    if waiting:
-        yield _block(waiting)
+    if place.used:
+        yield place.block()
 
 
-def _block(parts: Sequence[tuple[Bytes, Places]]) -> Block:
-    messages = [found for _, found in parts]
-    return Block([data for data, _ in parts], np.concatenate(messages), np.cumsum(list(map(len, messages))))
+class _Place:
+    """Where chunks are unpacked, the same all along: to have new room each time costs as much again."""
+
+    def __init__(self) -> None:
+        self.used = 0
+        """Bytes."""
+        self._found = 0
+        self._data = np.empty(0, np.uint8)
+        self._messages = np.empty((0, 5), np.int64)
+        self._others = np.empty(0, np.int64)
+        self._zstd = zstandard.ZstdDecompressor(max_window_size=PLAUSIBLE_BYTES)
+
+    def unpack(self, chunk: Chunk) -> list[Schema | Channel | Block]:
+        """Add a chunk: its schemas and channels, the block that it fills. Raises where it is not sound."""
+        start = self.used
+        end = start + len(self._unpacked(chunk))
+        messages = self._messages[self._found :]
+        found, beside = find_records(self._data[:end], start, messages, self._others)
+        if found < 0:
+            raise ValueError("a chunk ends in the middle of a record")
+        described = list(_described(self._data[:end], self._others[:beside].tolist()))
+        self.used = end
+        self._found += found
+        return [*described, *([self.block()] if end >= BLOCK_BYTES else [])]
+
+    def add(self, message: Message) -> None:
+        """Add a message that stands in no chunk."""
+        room = self._room(RECORD_HEAD + MESSAGE_HEAD + len(message.data))
+        self.used += len(room)
+        start = self.used - len(message.data)
+        self._data[start : self.used] = np.frombuffer(message.data, np.uint8)
+        times = message.log_time, message.publish_time
+        self._messages[self._found] = message.channel_id, *times, start, self.used
+        self._found += 1
+
+    def block(self) -> Block:
+        """All that was added; what comes next is written over it."""
+        block = Block(self._data[: self.used], self._messages[: self._found])
+        self.used = self._found = 0
+        return block
+
+    def _unpacked(self, chunk: Chunk) -> Bytes:
+        """What a chunk holds, behind what is there already."""
+        if chunk.compression == "zstd":
+            size = zstandard.get_frame_parameters(chunk.data).content_size
+            room = self._room(chunk.uncompressed_size if size == zstandard.CONTENTSIZE_UNKNOWN else size)
+            if len(room) and self._zstd.stream_reader(chunk.data).readinto(room.data) < len(room):
+                raise EndOfFile
+        elif chunk.compression in ("lz4", ""):
+            data = lz4.frame.decompress(chunk.data) if chunk.compression else chunk.data
+            room = self._room(len(data))
+            room[:] = np.frombuffer(data, np.uint8)
+        else:
+            raise UnsupportedCompressionError(chunk.compression)
+        checksum = zlib.crc32(room.data) if chunk.uncompressed_crc else 0
+        if checksum != chunk.uncompressed_crc:
+            raise CRCValidationError(expected=chunk.uncompressed_crc, actual=checksum, record=chunk)
+        return room
+
+    def _room(self, size: int) -> Bytes:
+        """Room for so many bytes, and for what can be found in them."""
+        end = self.used + size
+        if end > len(self._data):
+            most = max(end, 2 * BLOCK_BYTES)
+            self._data = _longer(self._data, most)
+            self._messages = _longer(self._messages, most // (RECORD_HEAD + MESSAGE_HEAD) + 1)
+            self._others = _longer(self._others, most // RECORD_HEAD + 1)
+        return self._data[self.used : end]
 
 
-def unpack(chunk: Chunk) -> list[Schema | Channel | tuple[Bytes, Places]]:
-    """A chunk's schemas and channels; its bytes and the messages in them. Raises where it is not sound."""
-    stream, size = get_chunk_data_stream(chunk, validate_crc=True)
-    data = np.frombuffer(stream.read(size), np.uint8)
-    messages = np.empty((size // (RECORD_HEAD + MESSAGE_HEAD) + 1, 5), np.int64)
-    others = np.empty(size // RECORD_HEAD + 1, np.int64)
-    found, beside = find_records(data, messages, others)
-    if found < 0:
-        raise ValueError("a chunk ends in the middle of a record")
-    return [*_described(data, others[:beside].tolist()), (data, messages[:found])]
+def _longer(array: np.ndarray, size: int) -> np.ndarray:
+    longer = np.empty((size, *array.shape[1:]), array.dtype)
+    longer[: len(array)] = array
+    return longer
 
 
 def _described(data: Bytes, places: Iterable[int]) -> Iterator[Schema | Channel]:
@@ -77,10 +129,3 @@ def _described(data: Bytes, places: Iterable[int]) -> Iterator[Schema | Channel]
             yield Schema.read(content)
         elif data[place] == Opcode.CHANNEL:
             yield Channel.read(content)
-
-
-def _alone(message: Message) -> tuple[Bytes, Places]:
-    """A message that stands in no chunk."""
-    data = np.frombuffer(message.data, np.uint8)
-    times = message.log_time, message.publish_time
-    return data, np.array([[message.channel_id, *times, 0, len(data)]], np.int64)

@@ -2,7 +2,6 @@
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -28,6 +27,7 @@ from vsensor.recording.layout import (
     VARINT,
     Bytes,
     Places,
+    Words,
     find_fields,
     gather_doubles,
 )
@@ -123,45 +123,49 @@ class _Reader:
             self._wanted[field.number] = wire = _wire_type(field)
             self._slots[field.number] = self._columns
             self._columns += 2 if wire == LIST else 1
+        self._out = np.empty((0, self._columns), np.uint64)
+        self._set = np.empty((0, self._columns), np.bool_)
 
     def read(self, block: Block, before: int, channel: int) -> Columns:
         """This channel's messages of a block before which the session has so many."""
         place = np.flatnonzero(block.messages[:, CHANNEL] == channel)
         own = block.messages[place]
-        chunks = _Chunks(block.data, np.searchsorted(place, block.ends).tolist())
-        columns = self._messages(chunks, own) if self._whole else self._values(chunks, own)
+        columns = self._messages(block.data, own) if self._whole else self._values(block.data, own)
         self._before += len(own)
         return Columns(before + place, own[:, LOG_TIME], own[:, PUBLISH_TIME], *columns)
 
     def _messages(
-        self, chunks: "_Chunks", own: Places
+        self, data: Bytes, own: Places
     ) -> tuple[Mapping[str, Values], Mapping[str, Known], Sequence[Message]]:
-        return {}, {}, [self._decoded(chunks, own, row) for row in range(len(own))]
+        return {}, {}, [self._decoded(data, own, row) for row in range(len(own))]
 
-    def _values(self, chunks: "_Chunks", own: Places) -> tuple[Mapping[str, Values], Mapping[str, Known]]:
-        out = np.zeros((len(own), self._columns), np.uint64)
-        set_ = np.zeros((len(own), self._columns), np.bool_)
+    def _values(self, data: Bytes, own: Places) -> tuple[Mapping[str, Values], Mapping[str, Known]]:
+        out, set_ = self._room(len(own))
         unusual = np.zeros(len(own), np.bool_)
-        for data, rows in chunks:
-            starts, ends = own[rows, START], own[rows, END]
-            find_fields(
-                data, starts, ends, self._wanted, self._slots, out[rows].T, set_[rows].T, unusual[rows]
-            )
-        others = {row: self._decoded(chunks, own, row) for row in np.flatnonzero(unusual).tolist()}
+        find_fields(data, own[:, START], own[:, END], self._wanted, self._slots, out.T, set_.T, unusual)
+        others = {row: self._decoded(data, own, row) for row in np.flatnonzero(unusual).tolist()}
         values, known = {}, {}
         for field in self._fields:
             slot = self._slots[field.number]
-            known[field.name] = set_[:, slot]
+            known[field.name] = set_[:, slot].copy()
             values[field.name] = (
-                _lists(chunks, out[:, slot:], field, others)
+                _lists(data, out[:, slot:], field, others)
                 if field.is_repeated
                 else _numbers(out[:, slot], known[field.name], field, others)
             )
         return values, known
 
-    def _decoded(self, chunks: "_Chunks", own: Places, row: int) -> Message:
+    def _room(self, rows: int) -> tuple[Words, Known]:
+        """Zeros to be filled, in the same place each time: new room would cost as much again."""
+        if rows > len(self._out):
+            self._out = np.empty((rows, self._columns), np.uint64)
+            self._set = np.empty((rows, self._columns), np.bool_)
+        out, set_ = self._out[:rows], self._set[:rows]
+        out[:], set_[:] = 0, False
+        return out, set_
+
+    def _decoded(self, data: Bytes, own: Places, row: int) -> Message:
         """A message by the general reader."""
-        data = next(data for data, rows in chunks if rows.start <= row < rows.stop)
         try:
             return self._kind.FromString(data[own[row, START] : own[row, END]].tobytes())
         except DecodeError as error:
@@ -169,17 +173,6 @@ class _Reader:
                 f"{self._session.path}: {self.topic}, message {self._before + row + 1}: "
                 f"cannot be decoded as {self._kind.DESCRIPTOR.full_name}: {error}"
             ) from error
-
-
-class _Chunks:
-    """The bytes of some chunks, and which rows of one channel's messages stand in each."""
-
-    def __init__(self, data: Sequence[Bytes], ends: Sequence[int]) -> None:
-        bounds = pairwise([0, *ends])
-        self._parts = [(part, slice(*rows)) for part, rows in zip(data, bounds, strict=True)]
-
-    def __iter__(self) -> Iterator[tuple[Bytes, slice]]:
-        return iter(self._parts)
 
 
 def _wire_type(field: FieldDescriptor) -> int:
@@ -203,7 +196,7 @@ def _numbers(
 
 
 def _lists(
-    chunks: _Chunks, words: npt.NDArray[np.uint64], field: FieldDescriptor, others: Mapping[int, Message]
+    data: Bytes, words: npt.NDArray[np.uint64], field: FieldDescriptor, others: Mapping[int, Message]
 ) -> Values:
     for row in others:
         words[row, COUNT] = 0
@@ -212,8 +205,7 @@ def _lists(
     if len(words) * most > LARGEST:
         raise InputError(f"{field.full_name}: lists of up to {most} numbers in {len(words)} messages at once")
     values = np.full((len(words), most), np.nan)
-    for data, rows in chunks:
-        gather_doubles(data, words[rows, FIRST], words[rows, COUNT], values[rows].view(np.uint64))
+    gather_doubles(data, words[:, FIRST], words[:, COUNT], values.view(np.uint64))
     for row, doubles in general.items():
         values[row, : len(doubles)] = doubles
     return values

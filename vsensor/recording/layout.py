@@ -34,12 +34,12 @@ _HIGHEST_FIELD = (1 << 29) - 1
 
 
 @compiled
-def find_records(data: Bytes, messages: Places, others: Places) -> tuple[int, int]:
-    """Fill `messages` (n, 5) with what is found, `others` (m,) with the places of records of other kinds.
+def find_records(data: Bytes, at: int, messages: Places, others: Places) -> tuple[int, int]:
+    """Fill `messages` (n, 5) with what is found from `at` on, `others` (m,) with the places of other records.
 
     Returns how many of each; −1 for the first where a record does not end within the bytes.
     """
-    at, found, beside = 0, 0, 0
+    found, beside = 0, 0
     end = data.shape[0]
     while at < end:
         content = at + RECORD_HEAD

@@ -5,15 +5,17 @@ holds a whole file in memory when asked for file order; so messages are always r
 """
 
 import io
-from collections.abc import Callable, Iterable, Iterator
+import struct
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TypeVar
 
 import zstandard
+from mcap.data_stream import ReadDataStream
 from mcap.exceptions import EndOfFile
 from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, McapRecord, Message, MessageIndex, Schema
-from mcap.stream_reader import StreamReader, breakup_chunk
+from mcap.records import Attachment, Channel, Chunk, McapRecord, Message, Metadata, Schema
+from mcap.stream_reader import breakup_chunk, read_magic
 from mcap.summary import Summary
 
 from vsensor.errors import InputError
@@ -23,6 +25,19 @@ Item = TypeVar("Item")
 PLAUSIBLE_BYTES = 64 << 20
 PLAUSIBLE_RATIO = 100
 """No chunk is larger than the one, or than so many times its own bytes in the file, whatever it claims."""
+
+
+_HEAD = struct.Struct("<BQ")
+"""Of a record: what it is, and how many bytes of content follow."""
+_CHUNK = struct.Struct("<QQQII")
+"""Of a chunk: first and last time, size and checksum of what is packed, length of the compression's name."""
+_LENGTH = struct.Struct("<Q")
+_TELLING: Mapping[int, Callable[[ReadDataStream], McapRecord]] = {
+    Opcode.SCHEMA: Schema.read,
+    Opcode.CHANNEL: Channel.read,
+    Opcode.ATTACHMENT: Attachment.read,
+    Opcode.METADATA: Metadata.read,
+}
 
 
 class WholeReads(io.BufferedReader):
@@ -47,16 +62,50 @@ class WholeReads(io.BufferedReader):
         return super().read(wanted)
 
 
-class _Records(StreamReader):
-    """A file's records, the messages' index left empty: a reading from the start has no use for it.
+class _Content(ReadDataStream):
+    """A record's content, which gives all the bytes asked for, or none."""
 
-    The library would make a pair of Python's numbers of each of its entries: as many as there are messages.
+    def __init__(self, content: bytes) -> None:
+        super().__init__(io.BytesIO(content))
+
+    def read(self, length: int) -> bytes:
+        data = super().read(length)
+        if len(data) < length:
+            raise EndOfFile
+        return data
+
+
+def _records(file: WholeReads) -> Iterator[McapRecord | None]:
+    """Yield a file's records up to its end; of those that a reading from the start has no use for, None.
+
+    Not by the library's own reader: it would look at each byte of the messages' indexes, and take them apart
+    into as many pairs of Python's numbers as there are messages.
     """
+    read_magic(ReadDataStream(file))
+    opcode = 0
+    while opcode != Opcode.FOOTER:
+        opcode, length = _HEAD.unpack(file.read(_HEAD.size))
+        if not opcode:
+            raise ValueError("zeros stand where a record was expected")
+        content = file.read(length)
+        if opcode == Opcode.CHUNK:
+            yield _chunk(content)
+        elif opcode == Opcode.MESSAGE:
+            yield Message.read(_Content(content), length)
+        else:
+            yield _TELLING[opcode](_Content(content)) if opcode in _TELLING else None
+    read_magic(ReadDataStream(file))
 
-    def _read_record(self, opcode: int, length: int) -> McapRecord | None:
-        if opcode == Opcode.MESSAGE_INDEX:
-            return MessageIndex(channel_id=0, records=[])  # what is left of its bytes is passed over
-        return super()._read_record(opcode, length)
+
+def _chunk(content: bytes) -> Chunk:
+    """A chunk. Its data are a view: to copy them would cost as much as to read them."""
+    start, end, size, crc, length = _CHUNK.unpack_from(content)
+    at = _CHUNK.size + length
+    (packed,) = _LENGTH.unpack_from(content, at)
+    data = memoryview(content)[at + _LENGTH.size :][:packed]
+    if len(data) < packed:
+        raise EndOfFile
+    return Chunk(str(content[_CHUNK.size : at], "utf-8"), data, end, start, crc, size)  # type: ignore[arg-type]
 
 
 class Scan:
@@ -81,8 +130,7 @@ class Scan:
         """Yield the records, and what `unpack` makes of each chunk; it raises where one is not sound."""
         try:
             with WholeReads(self._path) as file:
-                reader = _Records(file, emit_chunks=True)
-                yield from self._walk(reader, file, unpack)
+                yield from self._walk(file, unpack)
         except OSError as error:
             raise InputError(f"{self._path}: cannot be read: {error.strerror}") from error
 
@@ -110,13 +158,13 @@ class Scan:
                 channels[record.id] = (schemas.get(record.schema_id), record)
 
     def _walk(
-        self, reader: StreamReader, file: WholeReads, unpack: Callable[[Chunk], Iterable[Item]]
+        self, file: WholeReads, unpack: Callable[[Chunk], Iterable[Item]]
     ) -> Iterator[McapRecord | Item]:
-        records = reader.records
+        records = _records(file)
         while True:
             try:
                 record = next(records)
-                inner = unpack(_deserving(record)) if isinstance(record, Chunk) else (record,)
+                inner = _inner(record, unpack)
             except StopIteration:
                 self.finished = True
                 return
@@ -127,6 +175,14 @@ class Scan:
                 return
             self.whole_bytes = file.tell()
             yield from inner
+
+
+def _inner(
+    record: McapRecord | None, unpack: Callable[[Chunk], Iterable[Item]]
+) -> Iterable[McapRecord | Item]:
+    if isinstance(record, Chunk):
+        return unpack(_deserving(record))
+    return () if record is None else (record,)
 
 
 def _deserving(chunk: Chunk) -> Chunk:
