@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vsensor.config import Rig, effective_toml
+from vsensor.grid import NS
 from vsensor.messages import (
     BIT_ESTIMATE,
     BIT_SPEED,
@@ -60,15 +61,20 @@ def recorded(rig: Rig, seconds: float) -> list[Told]:
 def write(
     path: Path, rig: Rig, told: list[Told], times: int, compression: Compression
 ) -> NDArray[np.float64]:
-    """Write messages so many times over; how long each took to be written, s; shape (n,)."""
+    """Write messages so many times over, put on the disk each second; how long each took, s; shape (n,)."""
     span_ns = told[-1].time_ns - told[0].time_ns
     taken = np.empty(len(told) * times)
     with SessionWriter(
         path, configuration=effective_toml(rig), metadata={"rig": rig.rig.name}, compression=compression
     ) as writer:
+        synced_ns = told[0].time_ns
         for lap in range(times):
-            for k, (topic, data, time_ns) in enumerate(told, lap * len(told)):
+            for k, (topic, data, told_ns) in enumerate(told, lap * len(told)):
+                time_ns = told_ns + lap * span_ns
                 begun = time.perf_counter()
-                writer.write(topic, data, time_ns + lap * span_ns, time_ns + lap * span_ns)
+                writer.write(topic, data, time_ns, time_ns)
+                if time_ns - synced_ns >= NS:
+                    writer.sync()
+                    synced_ns = time_ns
                 taken[k] = time.perf_counter() - begun
     return taken
