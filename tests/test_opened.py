@@ -35,6 +35,18 @@ def test_the_foxglove_layout_names_fields_that_there_are() -> None:
     assert panels == set(layout["configById"])
 
 
+def test_the_plotjuggler_layout_names_numbers_that_there_are() -> None:
+    layout = (ROOT / "config" / "views" / "plotjuggler.xml").read_text(encoding="utf-8")
+    curves = re.findall(r'<curve name="([^"]+)"', layout)
+    assert len(curves) >= 10
+    for curve in curves:
+        topic, _, field = curve.rpartition("/")
+        assert field_of(topic, field), curve
+        kind = message_type(topic)
+        assert kind is not None
+        assert kind.DESCRIPTOR.fields_by_name[field].enum_type is None  # these it shows as words
+
+
 @pytest.mark.parametrize("lines", [opened.SPEEDS, opened.TORQUES, opened.ROUGHNESS, opened.LATENESS])
 def test_the_rerun_layout_names_fields_that_there_are(lines: opened.Lines) -> None:
     for topic, fields in lines.items():
