@@ -11,8 +11,8 @@ import pytest
 import zenoh
 
 from tests.daemons import free_bus, wait_until
-from vsensor.bus import Feed, Outbox, Received, SurfaceInbox, open_session, wait_for_sensor
-from vsensor.bus import inbox as bus_module
+from tests.ends import CHANNELS, received
+from vsensor.bus import Feed, Outbox, SurfaceInbox, open_session, wait_for_sensor
 from vsensor.config import Bus
 from vsensor.errors import BusError, ConfigError
 from vsensor.messages import (
@@ -25,7 +25,6 @@ from vsensor.messages import (
     Sample,
 )
 
-CHANNELS = (SURFACE_TORQUE, SURFACE_SPEED)
 NS = 1_000_000_000
 NUMBERS = itertools.count()
 
@@ -51,17 +50,6 @@ def client(network: Bus, daemon: zenoh.Session) -> Iterator[zenoh.Session]:
 def prefix() -> str:
     """A rig of its own for each test."""
     return f"rigs/{next(NUMBERS)}"
-
-
-def received(inbox: SurfaceInbox, count: int) -> list[Received]:
-    got: list[Received] = []
-
-    def enough() -> bool:
-        got.extend(inbox.drain())
-        return len(got) >= count
-
-    wait_until(enough, f"{count} samples")
-    return got
 
 
 def test_samples_of_both_channels_come_in_the_order_in_which_they_were_sent(
@@ -174,39 +162,6 @@ def test_other_channels_and_other_rigs_are_not_heard(
     assert got.sample.value == 2
 
 
-def test_a_flood_does_not_keep_the_loop_from_its_other_duties(
-    daemon: zenoh.Session, client: zenoh.Session, prefix: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """One call takes what the inbox holds, no more, however fast it is filled meanwhile."""
-    inbox = SurfaceInbox(daemon, prefix, CHANNELS)
-    outbox = Outbox(client, prefix, reliable=True)
-    monkeypatch.setattr(bus_module, "INBOX_CAPACITY", 10)
-    for number in range(25):
-        outbox.put(SURFACE_SPEED, Sample(time_ns=number, value=1.0))
-    got: list[int] = []
-
-    def enough() -> bool:
-        got.append(len(list(inbox.drain())))
-        return sum(got) == 25
-
-    wait_until(enough, "25 samples")
-    assert max(got) <= 10
-
-
-def test_where_the_inbox_overflows_the_newest_samples_stay(
-    daemon: zenoh.Session, client: zenoh.Session, prefix: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(bus_module, "INBOX_CAPACITY", 10)
-    inbox = SurfaceInbox(daemon, prefix, CHANNELS)
-    late = daemon.declare_subscriber(f"{prefix}/end", zenoh.handlers.FifoChannel(1))
-    outbox = Outbox(client, prefix, reliable=True)
-    for number in range(25):
-        outbox.put(SURFACE_SPEED, Sample(time_ns=number, value=1.0))
-    client.put(f"{prefix}/end", "")
-    late.recv()
-    assert [each.sample.time_ns for each in inbox.drain() if each.sample] == list(range(15, 25))
-
-
 def test_a_viewer_hears_what_it_knows_and_passes_over_the_rest(
     daemon: zenoh.Session, client: zenoh.Session, prefix: str
 ) -> None:
@@ -280,38 +235,3 @@ def test_the_daemon_listens_on_this_machine_alone(network: Bus, daemon: zenoh.Se
     with pytest.raises(OSError, match="refused"):
         # 127.0.0.2 is this machine too, by another address: one that a socket for all would answer.
         socket.create_connection(("127.0.0.2", port), timeout=5)
-
-
-def test_samples_over_the_rate_are_refused_unread_and_each_is_told(
-    daemon: zenoh.Session, client: zenoh.Session, prefix: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Of each channel by itself: a flood on the one takes nothing from the other."""
-    monkeypatch.setattr(bus_module, "INBOX_CAPACITY", 100)
-    inbox = SurfaceInbox(daemon, prefix, CHANNELS, max_rate=1e-3)
-    outbox = Outbox(client, prefix, reliable=True)
-    outbox.put(SURFACE_SPEED, Sample(time_ns=0, value=1.0))
-    got = received(inbox, 1)
-    for number in range(250):
-        outbox.put(SURFACE_TORQUE, Sample(time_ns=number, value=1.0))
-        got.extend(inbox.drain())
-    outbox.put(SURFACE_SPEED, Sample(time_ns=1, value=1.0))
-    got.extend(received(inbox, 251 - sum(each.topic == SURFACE_TORQUE for each in got)))
-    torque = [each for each in got if each.topic == SURFACE_TORQUE]
-    assert [each.over_rate for each in torque] == [False] * 100 + [True] * 150
-    assert all(each.sample is None for each in torque[100:])
-    assert not any(each.over_rate for each in got if each.topic == SURFACE_SPEED)
-
-
-def test_of_a_flood_no_more_is_refused_at_a_time_than_there_is_time_for(
-    daemon: zenoh.Session, client: zenoh.Session, prefix: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(bus_module, "INBOX_CAPACITY", 30)
-    inbox = SurfaceInbox(daemon, prefix, CHANNELS, max_rate=1e-3, most_refused=7)
-    outbox = Outbox(client, prefix, reliable=True)
-    for _ in range(2):
-        for number in range(30):
-            outbox.put(SURFACE_TORQUE, Sample(time_ns=number, value=1.0))
-        got = [len(list(inbox.drain()))]
-        while sum(got) < 30:
-            got.append(len(list(inbox.drain())))
-    assert max(got) == 7

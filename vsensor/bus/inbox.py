@@ -1,48 +1,31 @@
-"""What comes below a rig's prefix, drained without waiting: surface samples, or whatever a listener hears."""
+"""The rig's surface channels drained without waiting, each in a place of its own and all in step."""
 
 import math
 import time
 from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass
+from operator import attrgetter
 
 import zenoh
-from zenoh.ext import (
-    AdvancedSubscriber,
-    HistoryConfig,
-    RecoveryConfig,
-    declare_advanced_subscriber,
-)
 
-from vsensor.bus.allowance import Allowance
-from vsensor.messages import (
-    SURFACE,
-    Message,
-    Sample,
-    message_type,
-    surface,
-)
+from vsensor.bus.line import AT_ONCE, CAPACITY, PATIENCE_NS, Line, Received
+from vsensor.grid import NS
+from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE
 
-HISTORY_S = 10.0
-"""Of what was sent before we came so much is asked for: a sensor that starts again need not warm up."""
-MISSES_CAPACITY = 1 << 10
-INBOX_CAPACITY = 1 << 16
-"""Samples that may wait for a tick: 30 s of two channels at 1 kHz, past which the oldest are lost."""
+ABREAST = (SURFACE_TORQUE, SURFACE_SPEED)
+MAX_LEAD_S = 0.25
 
-
-@dataclass(frozen=True, slots=True)
-class Received:
-    """One surface sample as it came: decoded, or with what made it unreadable."""
-
-    topic: str
-    received_ns: int
-    sample: Sample | None
-    fault: str = ""
-    over_rate: bool = False
-    """It came too fast to be looked at."""
+_TIME = attrgetter("time_ns")
 
 
 class SurfaceInbox:
-    """The rig's surface channels in the order of arrival, drained without waiting."""
+    """The rig's surface channels, drained without waiting.
+
+    Each has a place of its own, where `capacity` samples may wait: a flood of one takes nothing from
+    another. Of those that wait the oldest comes first, by the source's time. Torque and speed come
+    abreast: where one is more than `max_lead_s` ahead, and the other has nothing, it is held back until the
+    other speaks or is known to be silent. After a cut, or a start, the one's backlog arrives before the
+    other's, and would look like the other's silence.
+    """
 
     def __init__(
         self,
@@ -50,122 +33,79 @@ class SurfaceInbox:
         prefix: str,
         topics: Collection[str],
         max_rate: float = math.inf,
-        most_refused: int = INBOX_CAPACITY,
+        most_refused: int = CAPACITY,
+        *,
+        max_lead_s: float = MAX_LEAD_S,
+        capacity: int = CAPACITY,
     ) -> None:
-        self._skip = len(prefix) + 1
         self._most_refused = most_refused
-        # A backlog after a cut link is no flood: as much as waits here is let through at once.
-        self._allowances = {topic: Allowance(max_rate, INBOX_CAPACITY) for topic in topics}
-        self._subscriber = recovering(session, f"{prefix}/{SURFACE}", INBOX_CAPACITY)
-        self._misses = self._subscriber.sample_miss_listener(zenoh.handlers.RingChannel(MISSES_CAPACITY))
-        self.missed = 0
-        """Samples that the bus knows to be lost: cut off for longer than the publisher's cache reaches."""
+        self._max_lead_ns = round(max_lead_s * NS)
+        self._capacity = capacity
+        self._lines = [Line(session, prefix, topic, max_rate=max_rate, capacity=capacity) for topic in topics]
+        abreast = [line for line in self._lines if line.topic in ABREAST]
+        self._others = dict(zip(abreast, reversed(abreast), strict=True)) if len(abreast) > 1 else {}
+        self._unheard = set(self._lines)
+        self._missed = 0
         self._waiting = 0
 
-    def drain(self, more: Callable[[], bool] = lambda: True) -> Iterator[Received]:
+    def drain(self, more: Callable[[], bool] = lambda: True, *, hold: bool = True) -> Iterator[Received]:
         """Yield what has come since the last call, and no longer than there is time for `more`.
 
-        Never waits, and ends even if ever more comes.
+        Never waits, and ends even if ever more comes. Without `hold` nothing is held back.
         """
-        self._count_missed()
-        refused = 0
-        for number in range(1, INBOX_CAPACITY + 1):
-            if not more() or (raw := self._subscriber.try_recv()) is None:
+        lines, refused = self._lines, 0
+        for number in range(1, self._capacity + 1):
+            if not more():
+                return
+            now_ns = time.monotonic_ns()
+            lines = [line for line in lines if line.waits or line.look(now_ns)]
+            if not lines or (line := self._next(lines, now_ns, hold)) is None:
                 return
             self._waiting = max(self._waiting, number)
-            topic = str(raw.key_expr)[self._skip :]
-            allowance = self._allowances.get(topic)
-            if allowance is None:
-                continue
-            if allowance.take(time.monotonic_ns()):
-                yield _decoded(topic, raw)
-                continue
-            yield Received(topic, time.time_ns(), None, over_rate=True)
-            refused += 1
-            if refused == self._most_refused:  # refusing takes time too
-                return
+            if line.over_rate:
+                refused += 1
+                if refused >= self._most_refused:  # refusing takes time too
+                    lines = [other for other in lines if other is not line]
+            yield line.take()
+
+    @property
+    def missed(self) -> int:
+        """Samples that the bus knows to be lost: cut off for longer than the publisher's cache reaches."""
+        self._missed += sum(line.missed() for line in self._lines)
+        return self._missed
 
     def most_waiting(self) -> int:
         """The most samples that one drain has taken since the last call: as many had waited, at least."""
         most, self._waiting = self._waiting, 0
         return most
 
-    def _count_missed(self) -> None:
-        while (miss := self._misses.try_recv()) is not None:
-            self.missed += miss.nb
+    def _next(self, waiting: list[Line], now_ns: int, hold: bool) -> Line | None:
+        """The one of these that goes next; None where it is held back."""
+        line = min(waiting, key=_TIME) if len(waiting) > 1 else waiting[0]
+        if hold and self._is_ahead(line) and self._waits(line, now_ns):
+            return None
+        if line in self._unheard:
+            self._unheard.remove(line)
+            line.pass_over_history()
+            return self._next(waiting, now_ns, hold)
+        return line
 
+    def _is_ahead(self, line: Line) -> bool:
+        other = self._others.get(line)
+        if other is None or other.waits or line.time_ns == AT_ONCE:
+            return False
+        if other.newest_ns is None or line.time_ns - other.newest_ns > self._max_lead_ns:
+            return True
+        other.given_up = False
+        return False
 
-def recovering(
-    session: zenoh.Session, key: str, capacity: int
-) -> "AdvancedSubscriber[zenoh.handlers.Handler[zenoh.Sample]]":
-    """Subscribe so that what a cut of the link held back is asked for again, from the publisher's cache.
-
-    Samples of one publisher come in its order. A publisher without a cache is heard as by any subscriber.
-    """
-    return declare_advanced_subscriber(
-        session,
-        key,
-        zenoh.handlers.RingChannel(capacity),
-        history=HistoryConfig(detect_late_publishers=True, max_age=HISTORY_S),
-        recovery=RecoveryConfig(heartbeat=True, periodic_queries=None),
-    )
-
-
-def _decoded(topic: str, raw: zenoh.Sample) -> Received:
-    received_ns = time.time_ns()
-    try:
-        # Its size is asked first: what is far too large for a sample is not even copied.
-        surface.check_size(len(raw.payload))
-        sample = surface.decode(raw.payload.to_bytes(), str(raw.encoding), _time_ns(raw.timestamp))
-    except ValueError as error:
-        return Received(topic, received_ns, None, str(error))
-    return Received(topic, received_ns, sample)
-
-
-class Feed:
-    """What a listener hears below a rig's prefix: of these topics, or every message we know.
-
-    Of each topic that is named the newest `capacity` are kept while nobody drains; a flood of one pushes
-    out no other's.
-    """
-
-    def __init__(
-        self,
-        session: zenoh.Session,
-        prefix: str,
-        topics: Collection[str] = ("**",),
-        capacity: int = INBOX_CAPACITY,
-    ) -> None:
-        self._skip = len(prefix) + 1
-        self._capacity = capacity
-        self._subscribers = [
-            session.declare_subscriber(f"{prefix}/{topic}", zenoh.handlers.RingChannel(capacity))
-            for topic in topics
-        ]
-
-    def drain(self) -> Iterator[tuple[str, Message]]:
-        """Yield (topic, message) of what has come since the last call, topic after topic.
-
-        Never waits, and ends even if ever more comes; what is unreadable is passed over.
-        """
-        for subscriber in self._subscribers:
-            yield from self._drain(subscriber)
-
-    def _drain(
-        self, subscriber: "zenoh.Subscriber[zenoh.handlers.Handler[zenoh.Sample]]"
-    ) -> Iterator[tuple[str, Message]]:
-        for _ in range(self._capacity):
-            if (raw := subscriber.try_recv()) is None:
-                return
-            topic = str(raw.key_expr)[self._skip :]
-            kind = message_type(topic)
-            if kind is None or str(raw.encoding) != surface.PROTOBUF:
-                continue
-            try:
-                yield topic, kind.FromString(raw.payload.to_bytes())
-            except Exception:  # noqa: S112 -- protobuf's own error type differs by backend
-                continue
-
-
-def _time_ns(timestamp: zenoh.Timestamp | None) -> int | None:
-    return None if timestamp is None else timestamp.get_time_as_ntp64().as_nanos()
+    def _waits(self, line: Line, now_ns: int) -> bool:
+        """Whether there is hope that the other comes too."""
+        other = self._others[line]
+        if line.rested:  # both were cut off: the other may come back as well
+            other.given_up = line.rested = False
+        if other.given_up:
+            return False
+        line.held_ns = line.held_ns or now_ns
+        other.given_up = now_ns - line.held_ns >= PATIENCE_NS
+        return not other.given_up

@@ -1,5 +1,7 @@
 """Surface samples as rigs send them: protobuf, JSON or a bare number, by the stated encoding."""
 
+from collections.abc import Callable
+
 from google.protobuf import json_format
 from google.protobuf.message import DecodeError
 
@@ -13,20 +15,20 @@ MAX_BYTES = 4096
 """A sample takes some fifty bytes; whatever is far larger is none."""
 
 
-def decode(payload: bytes, encoding: str, arrival_time_ns: int | None) -> Sample:
+def decode(payload: bytes, encoding: str, arrival_time_ns: Callable[[], int | None]) -> Sample:
     """Read one surface sample.
 
-    `arrival_time_ns` (Zenoh's timestamp, Unix) stands in where the sample bears no time of its
-    own. Raises ValueError with what was wrong and what would be right.
+    Where it bears no time of its own `arrival_time_ns` is asked for one (Zenoh's timestamp, Unix; None
+    where it has none). Raises ValueError with what was wrong and what would be right.
     """
     check_size(len(payload))
     sample = _by_encoding(payload, encoding.partition(";")[0])
     if not sample.HasField("value"):
         raise ValueError("has no value")
     if not sample.HasField("time_ns"):
-        if arrival_time_ns is None:
+        if (arrived_ns := arrival_time_ns()) is None:
             raise ValueError("has no time_ns, and the bus gave it no timestamp")
-        sample.time_ns = arrival_time_ns
+        sample.time_ns = arrived_ns
     return sample
 
 

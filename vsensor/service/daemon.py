@@ -69,7 +69,14 @@ class Daemon:
         self._recording = None if recorder is None else Recording(rig, engine, recorder)
         most_refused = max(1, round(REFUSING_SHARE * rig.bus.max_rate / rig.loop.rate))
         self._keeper = keeper
-        self._inbox = SurfaceInbox(session, rig.prefix, SURFACE_TOPICS, rig.bus.max_rate, most_refused)
+        self._inbox = SurfaceInbox(
+            session,
+            rig.prefix,
+            SURFACE_TOPICS,
+            rig.bus.max_rate,
+            most_refused,
+            max_lead_s=rig.measurement.max_gap,
+        )
         self._outbox = Outbox(session, rig.prefix, reliable=False)
         self._watch = Watch(rig)
         self._profiler = Profiler(rig, engine.estimator)
@@ -112,7 +119,7 @@ class Daemon:
             if stopped():
                 break
         # What had come when the word to stop did is still run, however long a turn that makes.
-        self._take_in(slot, lambda: True)
+        self._take_in(slot, lambda: True, hold=False)
         self._each_second()
         self._hand_on()
         if self._keeper is not None and self._seat.taken:
@@ -125,8 +132,8 @@ class Daemon:
         self._take_in(slot, lambda: time.monotonic_ns() < until)
         self.health.listen()
 
-    def _take_in(self, slot: Slot, more: Callable[[], bool]) -> None:
-        for received in self._inbox.drain(more):
+    def _take_in(self, slot: Slot, more: Callable[[], bool], *, hold: bool = True) -> None:
+        for received in self._inbox.drain(more, hold=hold):
             if received.over_rate:
                 self._engine.intake.refuse_unread(received.topic)
                 continue

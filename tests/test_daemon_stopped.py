@@ -1,0 +1,58 @@
+"""A daemon that is stopped for longer than its links live, and goes on."""
+
+import os
+import signal
+from pathlib import Path
+
+import pytest
+
+from tests.daemons import daemon, post
+from tests.live import WARM_S, LiveRig, others, undisturbed
+from tests.rigs import RATE, SHORT
+from vsensor.bus import SURFACE_CACHE, Outbox, open_session
+from vsensor.config import Bus
+from vsensor.messages import SENSOR_TICK, Tick
+from vsensor.messages.books import refused
+from vsensor.recording.reader import Session
+from vsensor.recording.verify import verify
+from vsensor.service.engine import Engine
+
+pytestmark = pytest.mark.process
+
+STOPPED_S = 12.0
+"""Zenoh holds a link for dead after ten."""
+
+
+def test_after_a_stop_that_ends_its_links_it_catches_up_and_estimates_are_as_if_there_were_none(
+    bus: Bus, tmp_path: Path
+) -> None:
+    with (
+        daemon(SHORT, bus, tmp_path) as sensor,
+        post(sensor) as near,
+        open_session(bus, "client") as session,
+    ):
+        rig = LiveRig(Outbox(session, SHORT.prefix, reliable=True, cache=SURFACE_CACHE))
+        rig.live(WARM_S)
+        os.kill(sensor.process.pid, signal.SIGSTOP)
+        rig.live(STOPPED_S)
+        os.kill(sensor.process.pid, signal.SIGCONT)
+        rig.live(WARM_S)
+        status = near.await_status(
+            lambda status: sum(c.received for c in status.channels) + status.bus_missed >= len(rig.sent),
+            "all that was sent",
+        )
+        assert (status.bus_missed, status.restarts) == (0, 0)
+        assert [(c.received, c.accepted, c.lost) for c in status.channels] == [(rig.readings,) * 2 + (0,)] * 2
+        assert [refused(c) for c in status.channels] == [0, 0]
+        assert status.ticks == rig.readings
+        assert status.slots_skipped > 0.8 * STOPPED_S * RATE
+        assert status.slots_due == status.slots_run + status.slots_skipped
+        assert others(near.estimates, undisturbed(rig.sent)) == []
+        assert sensor.end() == 0
+        (path,) = sensor.sessions
+    recorded = Session(path)
+    assert verify(recorded, Engine(SHORT)).exact
+    ticks = [r.message for r in recorded.messages((SENSOR_TICK,)) if isinstance(r.message, Tick)]
+    made_up = [tick.number / RATE for tick in ticks if tick.caught_up]
+    assert made_up
+    assert min(made_up) >= WARM_S - 1
