@@ -1,0 +1,95 @@
+"""A disk that takes seconds for each write: the loop does not notice, and what is not kept is counted."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.daemons import daemon, post
+from tests.live import WARM_S, LiveRig, others, undisturbed
+from tests.rigs import SHORT
+from vsensor.bus import SURFACE_CACHE, Outbox, open_session
+from vsensor.config import Bus
+from vsensor.messages import SENSOR_TICK, SURFACE_TORQUE, Sample, Tick
+from vsensor.messages.surface import MAX_BYTES
+from vsensor.recording.process import BACKLOG_BYTES
+from vsensor.recording.reader import Session
+from vsensor.recording.verify import verify
+from vsensor.service.engine import Engine
+
+pytestmark = [
+    pytest.mark.process,
+    pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler here"),
+]
+
+SOURCE = Path(__file__).with_name("slow_disk.c")
+WRITE_S = 3
+"""What each write takes; a turn of the loop that waited for one would be as long."""
+LARGE = MAX_BYTES - 100
+
+
+@pytest.fixture
+def slow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The disk of the recordings is slow for processes started from now on, while this file is there."""
+    library = tmp_path / "slow_disk.so"
+    subprocess.run(["cc", "-shared", "-fPIC", "-o", library, SOURCE, "-ldl"], check=True)
+    flag = tmp_path / "slow"
+    monkeypatch.setenv("LD_PRELOAD", str(library))
+    monkeypatch.setenv("SLOW_FOLDER", str(tmp_path / "recordings"))
+    monkeypatch.setenv("SLOW_WHILE", str(flag))
+    monkeypatch.setenv("SLOW_SECONDS", str(WRITE_S))
+    return flag
+
+
+def large(time_ns: int) -> Sample:
+    """A sample as large as they are taken: what fills a minute's room does so in seconds."""
+    unknown = b"\xc2\x3e" + bytes([LARGE & 0x7F | 0x80, LARGE >> 7]) + bytes(LARGE)  # field 1000, bytes
+    return Sample.FromString(Sample(time_ns=time_ns, value=1.0).SerializeToString() + unknown)
+
+
+def test_a_slow_disk_costs_messages_that_are_counted_and_no_turn(
+    slow: Path, bus: Bus, tmp_path: Path
+) -> None:
+    with (
+        daemon(SHORT, bus, tmp_path) as sensor,
+        post(sensor) as near,
+        open_session(bus, "client") as session,
+    ):
+        rig = LiveRig(Outbox(session, SHORT.prefix, reliable=True, cache=SURFACE_CACHE))
+        rig.live(WARM_S)
+        before = near.await_status(lambda status: status.ticks == rig.readings, "ticks")
+        slow.touch()
+        rig.live(2)
+        again = large(rig.sent[0][1].time_ns)
+        flood = 0
+        while not near.await_status(lambda _: True, "a status").recorder_dropped:
+            near.send([(SURFACE_TORQUE, again)] * 4000)
+            flood += 4000 * len(again.SerializeToString())
+            rig.live(0.5)
+            assert flood < 8 * BACKLOG_BYTES, "nothing of it was dropped"
+        rig.live(2 * WRITE_S)
+        status = near.await_status(lambda status: status.ticks == rig.readings, "ticks meanwhile")
+        assert status.recorder_dropped
+        for name in ("lateness", "work"):
+            told, earlier = getattr(status, name), getattr(before, name)
+            long = [
+                upper
+                for now, then, upper in zip(told.counts, earlier.counts, [0, *told.upper_s], strict=False)
+                if now > then and upper >= WRITE_S
+            ]
+            assert long == [], name
+        slow.unlink()
+        rig.live(2)
+        near.await_status(lambda status: status.ticks == rig.readings, "ticks afterwards")
+        assert others(near.estimates, undisturbed(rig.sent)) == []
+        assert sensor.end() == 0
+        (path,) = sensor.sessions
+        told_by_daemon = int(sensor.said.rpartition("not_recorded=")[2].split()[0])
+    recorded = Session(path)
+    assert recorded.complete
+    assert not verify(recorded, Engine(SHORT)).mismatches
+    dropped = sum(int(recorded.recorder[f"dropped_by_{who}"]) for who in ("daemon", "recorder"))
+    assert dropped == told_by_daemon > 0
+    ticks = sum(isinstance(r.message, Tick) for r in recorded.messages((SENSOR_TICK,)))
+    assert ticks <= rig.readings <= ticks + dropped
