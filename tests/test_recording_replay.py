@@ -183,6 +183,20 @@ def test_recorded_commands_are_given_again_at_their_place_if_asked(rig: Rig, tmp
     assert len(rig.told) == 2
 
 
+def test_each_lap_of_a_loop_begins_with_the_string_and_the_bit_as_they_were(rig: Rig, tmp_path: Path) -> None:
+    path = tmp_path / "c.mcap"
+    write(path, 100, events={20: "longer 28.5 m", 30: "off bottom", 40: "nonsense", 60: "longer 1000 cm"})
+    with replay(rig, path, "--commands", "--loop", "--speed", "4") as player:
+        rig.until(lambda: len(rig.told) >= 7)
+        player.send_signal(signal.SIGINT)
+        player.communicate(timeout=30)
+    assert rig.told[:7] == [
+        *("40 longer 28.5 m", "60 off bottom", "120 longer 1000 cm"),
+        *("200 shorter 38.5 m", "200 by depths"),
+        *("240 longer 28.5 m", "260 off bottom"),
+    ]
+
+
 @pytest.mark.parametrize(
     ("words", "fault"),
     [

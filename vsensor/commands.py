@@ -3,7 +3,9 @@
 Each command that was obeyed is recorded among the samples, as an event whose text it is.
 """
 
+import contextlib
 import math
+from fractions import Fraction
 
 from vsensor.depth import Depths
 from vsensor.units import to_si
@@ -43,16 +45,48 @@ def about_recording(words: str) -> tuple[str, float] | None:
 
 def obey(words: str, depths: Depths) -> str:
     """Do what was told; returns what was done. Raises ValueError with what would have been right."""
-    plain = " ".join(words.lower().replace("-", " ").split())
+    plain = _about_bit(words)
     if plain in _BIT:
         depths.command(_BIT[plain])
         return f"the bit is held to be {plain}" if _BIT[plain] is not None else "the depths decide"
+    if not depths.lengthen(_longer_by(words)):
+        raise ValueError(f"the string is {depths.length:.1f} m long: no pipe would be left of it")
+    return f"the string is now {depths.length:.1f} m long"
+
+
+class Undo:
+    """Commands that were obeyed, and what takes them back: so a record that holds them can begin anew."""
+
+    def __init__(self) -> None:
+        self._longer = Fraction(0)
+        self._about_bit = False
+
+    def note(self, words: str) -> None:
+        """Hear of a command that was obeyed; of one about something else than the string, nothing is kept."""
+        if _about_bit(words) in _BIT:
+            self._about_bit = True
+            return
+        with contextlib.suppress(ValueError):
+            self._longer += Fraction(_longer_by(words))
+
+    def words(self) -> list[str]:
+        """What to tell the sensor to have it as before, and forget them. The bit is left to the depths."""
+        longer, about_bit = float(self._longer), self._about_bit
+        self._longer, self._about_bit = Fraction(0), False
+        back = [f"{'shorter' if longer > 0 else 'longer'} {abs(longer)!r} m"] if longer else []
+        return back + (["by depths"] if about_bit else [])
+
+
+def _about_bit(words: str) -> str:
+    return " ".join(words.lower().replace("-", " ").split())
+
+
+def _longer_by(words: str) -> float:
+    """By how many metres the string becomes longer; ValueError where that is not what the words are about."""
     verb, _, length = words.strip().partition(" ")
     if verb.lower() not in _SIGN or not length.strip():
         raise ValueError(f"{words!r} is no command: {HELP}")
     metres = to_si(length.strip(), "m")
     if metres <= 0:
         raise ValueError(f"{length.strip()!r} is no length: {HELP}")
-    if not depths.lengthen(_SIGN[verb.lower()] * metres):
-        raise ValueError(f"the string is {depths.length:.1f} m long: no pipe would be left of it")
-    return f"the string is now {depths.length:.1f} m long"
+    return _SIGN[verb.lower()] * metres

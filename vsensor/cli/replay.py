@@ -65,7 +65,7 @@ def replay(
     from vsensor.messages import SENSOR_EVENT, SURFACE_TOPICS
     from vsensor.recording.course import Course
     from vsensor.recording.keyboard import Keyboard
-    from vsensor.recording.player import Command, play
+    from vsensor.recording.player import Command, no_return, play
     from vsensor.recording.reader import Session
     from vsensor.service.pace import MonotonicClock
     from vsensor.signals import until_signalled
@@ -84,8 +84,10 @@ def replay(
             put: Callable[[str, Message], object] = Outbox(
                 zenoh, prefix, reliable=True, cache=SURFACE_CACHE
             ).put
+            again: Callable[[], None] = no_return
             if commands:
-                put = _commanding(put, zenoh, prefix, screen.say, publish=SENSOR_EVENT in chosen)
+                told = _Commanding(zenoh, prefix, screen.say)
+                put, again = told.putting(put, publish=SENSOR_EVENT in chosen), told.take_back
             count = play(
                 course,
                 put,
@@ -97,6 +99,7 @@ def replay(
                 stamp=time.time_ns if present else None,
                 command=lambda: Command.QUIT if stopped() else keyboard.command(),
                 show=screen.show,
+                again=again,
             )
     what = "samples" if chosen is SURFACE_TOPICS and not commands else "messages"
     typer.echo(f"{count} {what} of {', '.join(map(str, sessions))} published on {prefix}")
@@ -132,27 +135,43 @@ def _bus(sessions: "list[Session]", rig: str, connect: str) -> tuple[Bus, str]:
     return bus, bus.prefix.replace("{rig}", name)
 
 
-def _commanding(
-    put: "Callable[[str, Message], object]",
-    session: "zenoh.Session",
-    prefix: str,
-    say: Callable[[str], None],
-    publish: bool,
-) -> "Callable[[str, Message], None]":
-    """Publish, and give a recorded command to the sensor again; what it answers is said."""
-    from vsensor.bus import command
-    from vsensor.commands import COMMAND
-    from vsensor.messages import Event
+class _Commanding:
+    """Gives recorded commands to the sensor again; what it answers is said."""
 
-    def give(topic: str, message: "Message") -> None:
-        if isinstance(message, Event):
-            if message.name == COMMAND:
-                try:
-                    say(f'"{message.text}": {command(session, prefix, message.text)}')
-                except BusError as error:
-                    say(f'"{message.text}" is refused: {error}')
-            if not publish:
-                return
-        put(topic, message)
+    def __init__(self, session: "zenoh.Session", prefix: str, say: Callable[[str], None]) -> None:
+        from vsensor.commands import Undo
 
-    return give
+        self._session, self._prefix, self._say = session, prefix, say
+        self._undo = Undo()
+
+    def putting(
+        self, put: "Callable[[str, Message], object]", publish: bool
+    ) -> "Callable[[str, Message], None]":
+        """Publish, and give what is a command; other events too only where asked to `publish` them."""
+        from vsensor.commands import COMMAND
+        from vsensor.messages import Event
+
+        def give(topic: str, message: "Message") -> None:
+            if isinstance(message, Event):
+                if message.name == COMMAND and self._obeyed(message.text):
+                    self._undo.note(message.text)
+                if not publish:
+                    return
+            put(topic, message)
+
+        return give
+
+    def take_back(self) -> None:
+        """Have the sensor as it was before the lap's commands."""
+        for words in self._undo.words():
+            self._obeyed(words)
+
+    def _obeyed(self, words: str) -> bool:
+        from vsensor.bus import command
+
+        try:
+            self._say(f'"{words}": {command(self._session, self._prefix, words)}')
+        except BusError as error:
+            self._say(f'"{words}" is refused: {error}')
+            return False
+        return True

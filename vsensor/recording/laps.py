@@ -91,6 +91,8 @@ class Laps:
         loop: bool,
         stamp: Callable[[], int] | None,
     ) -> None:
+        self.number = 1
+        """Of the lap that is run."""
         self._course = course
         self._start_ns = start_s * NS
         self._end_ns = end_s * NS
@@ -120,6 +122,7 @@ class Laps:
             if not self._loop:
                 return
             self._shift.add(lap)
+            self.number += 1
 
     def _lap(self, lap: _Lap) -> Iterator[Placed]:
         begin_ns: float | None = self._start_ns

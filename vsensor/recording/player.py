@@ -59,6 +59,10 @@ def no_show(_progress: Progress) -> None:
     """Nobody who looks."""
 
 
+def no_return() -> None:
+    """Nothing to be set back."""
+
+
 def play(
     course: Course,
     put: Callable[[str, Message], object],
@@ -71,6 +75,7 @@ def play(
     stamp: Callable[[], int] | None = None,
     command: Callable[[], Command | None] = no_command,
     show: Callable[[Progress], object] = no_show,
+    again: Callable[[], object] = no_return,
 ) -> int:
     """Give a course's messages to `put`, each at its time, and return how many they were.
 
@@ -78,12 +83,12 @@ def play(
     as it goes. Deadlines count from one start, so that delays do not add up; a late message goes out at once.
     `stamp` tells the present, for time stamps that begin now: their spacing stays, for the physics lives in
     it. With `loop` it begins again for ever, time stamps and sequence numbers running on. `command` is asked
-    between messages and while waiting, and `show` told as often. Raises InputError where there is nothing
-    to play.
+    between messages and while waiting, and `show` told as often; `again` is called before each later lap.
+    Raises InputError where there is nothing to play.
     """
     laps = Laps(course, start_s, end_s, loop, stamp)
     pace: _Pace | None = None
-    count = 0
+    count, lap = 0, 1
 
     def look() -> None:
         if pace is not None:
@@ -97,6 +102,9 @@ def play(
         if told is not None:
             pace.jump(laps.seek(pace.at_ns + SEEK_S[told] * NS))
             continue
+        if laps.number > lap:
+            lap = laps.number
+            again()
         put(topic, message)
         count += 1
         look()
