@@ -14,11 +14,11 @@ from typer.testing import CliRunner
 
 from vsensor.cli.main import app
 from vsensor.errors import InputError
-from vsensor.messages import BIT_ESTIMATE, SURFACE_SPEED, Estimate, Sample
+from vsensor.messages import BIT_ESTIMATE, SURFACE_SPEED, Estimate, Sample, Status
 from vsensor.messages.vsensor_pb2 import GOOD
 from vsensor.recording.reader import Session
 from vsensor.recording.writer import SessionWriter
-from vsensor.report.figures import rolled, skill, sticking, worst_window
+from vsensor.report.figures import counted, rolled, skill, sticking, worst_window
 from vsensor.report.gather import Story, gather
 from vsensor.report.report import report
 from vsensor.report.thin import thinned
@@ -111,6 +111,25 @@ def test_skill_is_what_was_said_less_what_was_confirmed() -> None:
     # The last seconds of `roll` come from the beginning: they are beyond what is confirmed.
     assert told.speed_rad_s == pytest.approx([0.5, 2.0], abs=1e-6)
     assert told.torque_nm == pytest.approx([0.0, 0.0])
+
+
+def told_skill(*rows: tuple[float, float, float]) -> Status:
+    status = Status()
+    for ahead, speed, torque in rows:
+        status.skill.add(ahead_s=ahead, speed_rms_rad_s=speed, torque_rms_nm=torque)
+    return status
+
+
+def test_what_the_sensor_counted_of_itself_is_summed_up_by_horizon() -> None:
+    warming_up = Status()
+    warming_up.skill.add(ahead_s=0.0)
+    shorter = told_skill((0.0, 9.0, 900.0), (0.7, 9.0, 900.0))
+    told = [told_skill((0.0, 3.0, 30.0), (0.8, 6.0, 60.0)), told_skill((0.0, 4.0, 40.0), (0.8, 8.0, 80.0))]
+    summed = counted([Status(), warming_up, shorter, *told])
+    assert summed.ahead_s.tolist() == [0.0, 0.8]
+    assert summed.speed_rad_s == pytest.approx([math.sqrt(12.5), math.sqrt(50)])
+    assert summed.torque_nm == pytest.approx([math.sqrt(1250), math.sqrt(5000)])
+    assert not len(counted([Status(), warming_up]).ahead_s)
 
 
 def test_the_page_of_a_recorded_session_says_what_happened() -> None:

@@ -1,10 +1,12 @@
 """What a session comes to in figures: how rough it was, how long the bit stood, how well it was foretold."""
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from vsensor.messages import Status
 from vsensor.report.gather import Story
 
 Floats = npt.NDArray[np.float64]
@@ -94,8 +96,24 @@ def sticking(story: Story) -> Sticking:
     return Sticking(share, len(begins), float(lengths.max(initial=0.0)))
 
 
+def counted(statuses: Sequence[Status]) -> Skill:
+    """How predictions missed at each horizon, as the sensor counted while it ran: the rms of what was told.
+
+    Each status tells of the last minute. Those of a string of other horizons than the last are left out.
+    """
+    told = [
+        [(each.ahead_s, each.speed_rms_rad_s, each.torque_rms_nm) for each in status.skill]
+        for status in statuses
+        if status.skill and all(each.HasField("speed_rms_rad_s") for each in status.skill)
+    ]
+    table = np.array([rows for rows in told if [row[0] for row in rows] == [row[0] for row in told[-1]]])
+    if not len(table):
+        return Skill(*np.empty((3, 0)))
+    return Skill(table[0, :, 0], *np.sqrt(np.mean(table[:, :, 1:] ** 2, axis=0)).T)
+
+
 def skill(story: Story) -> Skill:
-    """Now and forecast over the whole session; between them what the last status tells of its last minute."""
+    """Now and forecast of every tick, held against what was confirmed in the end."""
     rows = [
         (0.0, *_missed(story, "now", story.time_ns)),
         (_horizon(story), *_missed(story, "forecast", story.forecast_ns)),

@@ -27,7 +27,8 @@ h2 { font-size: 1.15rem; margin: 2rem 0 .2rem; padding-top: .9rem; border-top: 1
 .key b { display: block; font-size: 1.2rem; line-height: 1.25; font-variant-numeric: tabular-nums; }
 .key.grave b { color: var(--grave); }
 .key span { display: block; font-size: .82rem; color: var(--quiet); }
-.pair { display: grid; grid-template-columns: 1fr 1fr; gap: 1.5rem; }
+.pair { display: grid; grid-template-columns: 1fr 1fr; gap: 24px; }
+.pair > * { min-width: 0; }
 table { border-collapse: collapse; font-size: .92rem; margin: .5rem 0; }
 td, th { padding: .25rem 1rem .25rem 0; text-align: left; vertical-align: top;
   border-bottom: 1px solid var(--line); }
@@ -40,7 +41,7 @@ summary { cursor: pointer; }
 }
 @page { size: A4; margin: 12mm; }
 @media print {
-  body { padding: 0; max-width: none; width: 66rem; zoom: .66; }
+  body { padding: 0; max-width: none; width: 1056px; zoom: .66; }
   section { break-inside: avoid; } section.long { break-inside: auto; }
   pre { white-space: pre-wrap; } .modebar { display: none; }
 }
@@ -51,7 +52,14 @@ for (const [name, plot] of Object.entries(JSON.parse(document.getElementById("pl
   Plotly.newPlot(name, plot.data, {...plot.layout, height: plot.height},
     {responsive: true, displaylogo: false, displayModeBar: "hover",
      modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d"]});
-addEventListener("beforeprint", () => document.querySelectorAll("details").forEach(d => d.open = true));
+const drawn = document.querySelectorAll(".plot.js-plotly-plot");
+addEventListener("beforeprint", () => {
+  document.querySelectorAll("details").forEach(d => d.open = true);
+  // On paper a plot is as wide as the page, not as the window in which it was drawn.
+  drawn.forEach(plot => Plotly.relayout(plot, {width: plot.closest(".pair") ? (1056 - 24) / 2 : 1056}));
+});
+addEventListener("afterprint", () =>
+  drawn.forEach(plot => Plotly.relayout(plot, {width: null, autosize: true})));
 """
 
 

@@ -153,14 +153,19 @@ def along(worst: Along) -> Plot:
     return {"data": traces, "layout": layout, "height": 420}
 
 
-def by_horizon(whole: Skill, of_late: Skill) -> Plot:
+def by_horizon(every_tick: Skill, counted: Skill, of_late: Skill) -> Plot:
     """How far predictions missed, by how far ahead they were made."""
+    kinds = (
+        (every_tick, "every tick", NOW, "solid"),
+        (counted, "as the sensor counted", FORECAST, "solid"),
+        (of_late, "in the last minute", FORECAST, "dot"),
+    )
     traces = []
     for column, (name, unit) in enumerate((("speed_rad_s", RPM), ("torque_nm", KNM)), 1):
-        for skill, label, dash in ((whole, "whole session", "solid"), (of_late, "last minute", "dot")):
+        for skill, label, colour, dash in kinds:
             if len(skill.ahead_s):
                 trace = _line(
-                    label, skill.ahead_s, getattr(skill, name) * unit, FORECAST, column=column, width=2.0
+                    label, skill.ahead_s, getattr(skill, name) * unit, colour, column=column, width=2.0
                 )
                 trace |= {"mode": "lines+markers", "showlegend": column == 1}
                 trace["line"]["dash"] = dash

@@ -2,14 +2,12 @@
 
 from pathlib import Path
 
-import numpy as np
-
 from vsensor.config import loads
 from vsensor.errors import InputError, VsensorError
 from vsensor.recording.reader import Session
 from vsensor.recording.summary import Summary
 from vsensor.report import figures, plots, words
-from vsensor.report.figures import Severity, Skill
+from vsensor.report.figures import Severity
 from vsensor.report.gather import Story, gather
 from vsensor.report.page import folded, page, pair, place, section, table
 
@@ -28,7 +26,9 @@ def report(session: Session) -> str:
         "over-time": plots.over_time(story, severity, worst),
         "closely": plots.closely(story, worst),
         "portrait": plots.portrait(story, _law(story)),
-        "by-horizon": plots.by_horizon(figures.skill(story), _of_late(story)),
+        "by-horizon": plots.by_horizon(
+            figures.skill(story), figures.counted(story.statuses), figures.counted(story.statuses[-1:])
+        ),
     }
     if story.along is not None:
         drawn["along"] = plots.along(story.along)
@@ -98,7 +98,9 @@ def _parts(
             ),
             section(
                 "How well it was foretold",
-                "Root mean square of what was said less what was confirmed in the end.",
+                "Root mean square of what was said less what was confirmed in the end: now and forecast of "
+                "every tick, and at five horizons what the sensor counted while it ran, over the session and "
+                "in its last minute.",
                 place("by-horizon"),
             ),
             pair(
@@ -145,14 +147,6 @@ def _law_words(story: Story) -> str:
         f"T = {viscous:.0f} N·m·s/rad · ω + {kinetic * plots.KNM:.2f} kN·m + "
         f"{(static - kinetic) * plots.KNM:.2f} kN·m · exp(−ω / {stribeck * plots.RPM:.0f} rpm)"
     )
-
-
-def _of_late(story: Story) -> Skill:
-    told = [
-        (skill.ahead_s, skill.speed_rms_rad_s, skill.torque_rms_nm)
-        for skill in (story.status.skill if story.status else ())
-    ]
-    return Skill(*np.array(told).reshape(-1, 3).T)
 
 
 def _losses(story: Story, summary: Summary) -> list[tuple[str, str]]:
