@@ -7,9 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import rerun as rr
 from typer.testing import CliRunner
 
-from vsensor.bench import kernel, live, loads, offline, reading, stage, tick, wakes
+from vsensor.bench import kernel, live, loads, offline, reading, seen, stage, tick, view, wakes
 from vsensor.bench.compiler import FLAGS, NO_COMPILER, compiler
 from vsensor.bench.processes import child_of, processor_s
 from vsensor.bench.record import drilled
@@ -23,6 +24,8 @@ from vsensor.errors import ConfigError, VsensorError
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.kernel import CONFIRMED
 from vsensor.messages import Tick
+from vsensor.view.batches import Measured
+from vsensor.view.recording import send
 
 needs_c = pytest.mark.skipif(compiler() is None, reason=NO_COMPILER)
 SHORT_S = 0.01
@@ -237,6 +240,48 @@ def test_under_a_load_lateness_and_latency_stand_beside_their_yardsticks(
     assert isinstance(memory, float)
     assert 0 < median <= worst
     assert memory > 10
+
+
+@pytest.mark.process
+def test_the_view_is_timed_to_a_viewer_and_the_loop_without_and_with_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(view, "PAIRS", 1)
+    monkeypatch.setattr(view, "WARM_S", 1.0)
+    cost, lateness = map(rows, view.tables([50.0], 2.0, lambda _words: None))
+    (row,) = cost
+    figures = [
+        row[name] for name in ("view, % of one core", "memory, MB", "median, ms", "99 %, ms", "worst, ms")
+    ]
+    assert all(isinstance(figure, float) and figure > 0 for figure in figures)
+    median, late, worst = figures[2:]
+    assert median <= late <= worst  # type: ignore[operator]
+    one, both = lateness
+    assert one["ratio"] == both["ratio"] == one["with, µs"] / one["without, µs"]  # type: ignore[operator]
+
+
+def test_when_an_estimate_was_at_a_viewer_is_told_by_the_first_that_holds_it_or_a_later_one(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "seen.rrd"
+    looks = seen.Onlooker(file)
+    recording = rr.RecordingStream("t")
+    recording.set_sinks(rr.FileSink(file, write_footer=False))
+    noted: list[tuple[int, int]] = []
+    for number in range(40):
+        entity = seen.DRAWN if number % 4 else "/elsewhere"
+        times = np.array([1000 * number], dtype=np.int64)
+        send(Measured(entity, times, np.ones(1), np.ones(1)), recording)
+        recording.flush()
+        looks.look()
+        noted.append((looks.growths[-1].at_ns, 1000 * number))
+    published = [(at_ns - 5, time_ns) for at_ns, time_ns in noted]
+    waited = [noted[number + (number % 4 == 0)][0] - published[number][0] for number in range(40)]
+    assert seen.delays_ns(published, looks).tolist() == waited
+    with file.open("r+b") as torn:  # as by one who is still writing
+        torn.truncate(file.stat().st_size - 9)
+    assert len(seen.delays_ns(published, looks)) == 39
+    assert len(seen.delays_ns([(0, 40_000)], looks)) == 0
 
 
 def test_an_impossible_rate_is_refused_before_anything_runs() -> None:

@@ -11,6 +11,8 @@ from rich import box
 from rich import table as rich_table
 from rich.console import Console
 
+from vsensor.errors import VsensorError
+
 if TYPE_CHECKING:
     from vsensor.bench.table import Cell, Table
 
@@ -27,6 +29,7 @@ class Benchmark(StrEnum):
     OFFLINE = "offline"
     LIVE = "live"
     LOADS = "loads"
+    VIEW = "view"
     START = "start"
 
 
@@ -97,6 +100,15 @@ def _run(
         from vsensor.bench import loads
 
         yield from loads.tables(rates, seconds, say)
+    elif name is Benchmark.VIEW:
+        try:
+            from vsensor.bench import view
+        except ModuleNotFoundError as error:
+            raise VsensorError(
+                f"bench view needs {error.name}, an extra: pip install 'vsensor[view]'"
+            ) from error
+
+        yield from view.tables(rates, seconds, say)
     else:
         from vsensor.bench import live
 

@@ -10,7 +10,7 @@ from vsensor.view.place import Place
 
 # Rerun's program sends usage statistics to its makers; a rig's network is no place for that, and its
 # switch for CI is the one that works without touching the user's settings.
-_ENVIRONMENT = {"RUST_LOG": "error", "CI": "1"}
+ENVIRONMENT = {"RUST_LOG": "error", "CI": "1"}
 _MEMORY_LIMIT = "2GB"
 _GRACE_S = 2.0
 
@@ -18,8 +18,7 @@ _GRACE_S = 2.0
 class Viewer:
     """A viewer that draws from a server of ours: it may freeze or die without us, but it ends with us.
 
-    The binary is started itself: the script `rerun` about it would orphan it. And in a session of its own,
-    so that Ctrl-C in the terminal reaches only us, who then end it.
+    In a session of its own, so that Ctrl-C in the terminal reaches only us, who then end it.
     """
 
     def __init__(self, place: Place) -> None:
@@ -27,10 +26,9 @@ class Viewer:
             what = ["--connect", place.source, "--memory-limit", _MEMORY_LIMIT, "--hide-welcome-screen"]
         else:
             what = [place.source, "--serve-web", "--web-viewer-port", str(place.page_port)]
-        program = str(resources.files("rerun_cli") / "rerun")
         self._process = subprocess.Popen(
-            [*_ending_with_us(), program, "--bind", place.bind, *what],
-            env=os.environ | _ENVIRONMENT,
+            [*_ending_with_us(), program(), "--bind", place.bind, *what],
+            env=os.environ | ENVIRONMENT,
             stdin=subprocess.DEVNULL,
             start_new_session=True,
         )
@@ -49,6 +47,11 @@ class Viewer:
     def ended(self) -> int | None:
         """The exit status once it has ended; 0 where its window was closed."""
         return self._process.poll()
+
+
+def program() -> str:
+    """Rerun's binary: the script `rerun` about it would orphan it."""
+    return str(resources.files("rerun_cli") / "rerun")
 
 
 def _ending_with_us() -> list[str]:
