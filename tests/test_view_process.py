@@ -8,7 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
@@ -169,11 +169,16 @@ def test_a_view_that_is_killed_takes_its_viewer_with_it(endpoint: str) -> None:
 
 
 def test_several_may_look_on_and_come_and_go(endpoint: str) -> None:
-    with view("--connect", endpoint, "--web") as one, view("--connect", endpoint, "--web") as other:
-        pages = [
-            re.findall(r"open (\S+)", seen.await_words("listening to rigs/t"))[0] for seen in (one, other)
-        ]
+    with ExitStack() as looking:
+        one = looking.enter_context(view("--connect", endpoint, "--web"))
+        # Only then the other: a port is free until it is served at.
+        pages = re.findall(r"open (\S+)", one.await_words("listening to rigs/t"))
+        until(lambda: reachable(pages[0]))
+        other = looking.enter_context(view("--connect", endpoint, "--web"))
+        pages += re.findall(r"open (\S+)", other.await_words("listening to rigs/t"))
         assert len({*pages}) == 2
+        for pid in (one.process.pid, one.viewer()):
+            assert os.getpriority(os.PRIO_PROCESS, pid) > os.getpriority(os.PRIO_PROCESS, 0)
         for url in pages:
             until(lambda: reachable(url))  # noqa: B023
         assert one.end() == 0

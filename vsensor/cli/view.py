@@ -1,5 +1,6 @@
 """`vsensor view`: the live view, and a recorded session in the same layout."""
 
+import os
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
     from vsensor.view.place import Place
 
 Say = Callable[[str], None]
+
+BEHIND = 10
+"""So much nicer are the view, and the viewer that it starts, than a sensor on the same machine."""
 
 
 def view(
@@ -65,6 +69,7 @@ def view(
     units = Units(speed_unit or how.speed_unit, torque_unit or how.torque_unit)
     bus, prefix = _source(known, rig, connect)
     place = places.choose(web=web, save=save, page_port=port, data_port=data_port, bind=bind, say=say)
+    os.nice(BEHIND)
     with (
         until_signalled() as stopped,
         Screen(
