@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.view_rig import BEGUN_NS, DELAY_NS, bit_speed, description, estimate, profile, tick
-from vsensor.messages import Estimate, Message
+from vsensor.messages import Estimate, Message, Profile
 from vsensor.quality import Reason
 from vsensor.view.batches import Batch, Look, Measured, Points
 from vsensor.view.plots import Drive, Plots
@@ -99,13 +99,30 @@ def test_what_is_not_known_yet_is_not_drawn() -> None:
     assert lines(drawn(Estimate(number=0, time_ns=BEGUN_NS))) == {}
 
 
+def with_torque(number: int, top_nm: float, bit_nm: float) -> Profile:
+    told = profile(number)
+    told.torque_nm[0], told.torque_nm[-1] = top_nm, bit_nm
+    return told
+
+
 def test_limits_of_both_ends_are_drawn_each_second_and_named() -> None:
-    batches = drawn(description(), *(profile(number) for number in range(0, 300, 10)))
+    batches = drawn(description(), *(with_torque(number, -30e3, 3e3) for number in range(0, 300, 10)))
     line = lines(batches)
     np.testing.assert_allclose(line["/torque/a_limit/at_surface"].values, [40.0] * 3)
     np.testing.assert_allclose(line["/torque/a_limit/at_bit"].values, [4.0] * 3)
     names = [batch.name for batch in batches if isinstance(batch, Look) and "limit" in batch.entity]
     assert names[-2:] == ["limit at surface: pipe", "limit at bit: collars"]
+
+
+def test_a_limit_is_drawn_once_the_torque_comes_near_it_and_for_ten_seconds_more() -> None:
+    peak = 530  # between two seconds
+    told = [with_torque(number, 21e3 if number == peak else 19e3, 0.0) for number in range(0, 3000, 10)]
+    line = lines(drawn(*told))
+    assert line.keys() == {"/torque/a_limit/at_surface"}
+    shown = line["/torque/a_limit/at_surface"]
+    seconds = (shown.times_ns - profile(0).time_ns) / NS
+    np.testing.assert_allclose(seconds, [*range(6, 16), 15], atol=1e-6)
+    np.testing.assert_allclose(shown.values, [*[40.0] * 10, math.nan])
 
 
 def test_where_no_strength_is_configured_no_limit_is_drawn() -> None:

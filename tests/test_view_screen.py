@@ -59,7 +59,7 @@ def test_a_file_holds_everything_that_came_at_its_time_and_in_its_unit(tmp_path:
     bands = np.ravel(column(found["/speed/bit/now"], "variances"))
     np.testing.assert_allclose(bands, (2 * 0.4 * RPM) ** 2)
     assert "stuck: the bit stands still" in str(column(found["/log"], "text"))
-    assert column(found["/service/event/stuck"], "state")[:3] == [["stuck"], [""], ["stuck"]]
+    assert column(found["/sensor/stuck"], "state")[:3] == [["stuck"], [""], ["stuck"]]
     assert "speed ± 2σ" in str(column(found["/answers"], "text"))
 
 

@@ -51,7 +51,7 @@ def test_what_waits_is_drawn_where_the_daemon_tells_it() -> None:
     line = values(drawn(told))
     assert line["/queues/inbox"] == [7]
     assert line["/queues/recorder"] == [4.5]
-    assert line["/queues/disk"] == [2000]
+    assert line["/queues/disk"] == [2]
 
 
 def test_losses_are_drawn_second_by_second() -> None:

@@ -60,8 +60,8 @@ def test_a_stick_that_is_foretold_again_and_again_is_drawn_until_it_is_so_no_mor
     for told in sticking[3:7]:
         told.stick_in_s = 0.5
     sticking[9].stick_in_s = 0.5  # one alone says nothing
-    seen = lanes(*sticking)["/ahead"]
-    assert [state for _, state in seen] == ["going to stick", ""]
+    seen = lanes(*sticking)["/stick-foretold"]
+    assert [state for _, state in seen] == ["soon", ""]
     assert seen[0][0] > sticking[3].time_ns
 
 
@@ -99,7 +99,7 @@ def test_quality_is_drawn_for_the_driller_in_a_word_and_for_service_with_its_rea
     bad.quality, bad.reasons = BAD, int(Reason.STALE_TORQUE | Reason.STALE_SPEED)
     seen = lanes(good, worse, bad)
     assert [state for _, state in seen["/trust"]] == ["good", "uncertain", "bad"]
-    assert [state for _, state in seen["/service/quality"]] == [
+    assert [state for _, state in seen["/sensor/quality"]] == [
         "good",
         "uncertain: stale torque",
         "bad: stale torque, stale speed",
@@ -114,12 +114,12 @@ def test_a_verdict_of_a_newer_daemon_is_not_trusted() -> None:
 
 def test_a_change_of_the_sensors_state_is_drawn_once() -> None:
     seen = lanes(status("warming up"), status("warming up"), status("running"), status("input lost"))
-    assert [state for _, state in seen["/service/sensor"]] == ["warming up", "running", "input lost"]
+    assert [state for _, state in seen["/sensor/state"]] == ["warming up", "running", "input lost"]
 
 
 def test_an_event_is_drawn_from_its_begin_to_its_end() -> None:
     seen = lanes(stuck(0, True), stuck(150, False))
-    assert seen["/service/event/stuck"] == [(BEGUN_NS, "stuck"), (BEGUN_NS + 1_500_000_000, "")]
+    assert seen["/sensor/stuck"] == [(BEGUN_NS, "stuck"), (BEGUN_NS + 1_500_000_000, "")]
 
 
 @pytest.mark.parametrize("name", ["stick_foretold", "string_changed", "self_tuning", "command", "new"])

@@ -27,6 +27,10 @@ class Reach(NamedTuple):
 USUAL = Reach(1.5, 1.0)
 """Until the sensor has told its own."""
 
+WIDE, NARROW = 0.16, 0.45
+"""Room for the legend, before the oldest that a plot shows, as a share of the history: of a plot that takes
+most of the screen's width, and where two stand side by side."""
+
 
 def blueprint(history_s: float, units: Units, reach: Reach = USUAL, tab: Tab = "driller") -> rrb.Blueprint:
     """The layout; plots show the last `history_s` seconds before the time cursor: the forecast's end."""
@@ -48,8 +52,8 @@ def _driller(history_s: float, units: Units, reach: Reach) -> rrb.Vertical:
     plots = rrb.Vertical(
         _bit_plot(series.SPEED, f"Speed, {units.speed}", history_s, reach),
         _bit_plot(series.TORQUE, f"Torque, {units.torque}", history_s, reach),
-        _lanes(series.DRILLER_STATES, "What is so", history_s),
-        row_shares=[10, 8, 10],
+        _lanes(series.DRILLER_STATES, "What is so", history_s, WIDE),
+        row_shares=[16, 16, 19],
     )
     side = rrb.Vertical(
         rrb.TextDocumentView(origin=series.PAGE, name="Answers"),
@@ -83,20 +87,19 @@ def _engineer(history_s: float, units: Units) -> rrb.Vertical:
     below = rrb.Horizontal(
         _chart(series.SPECTRUM, "Spectrum of speed", chart.BOUNDS), portrait, column_shares=[5, 4]
     )
-    foretold = _plot(
-        series.SPEED, f"Foretold and come, {units.speed}", history_s, without=series.present(series.SPEED)
-    )
+    name = f"Foretold and come, {units.speed}"
+    foretold = _plot(series.SPEED, name, history_s, WIDE, without=series.present(series.SPEED))
     left = rrb.Vertical(above, below, foretold, row_shares=[5, 5, 3])
     return rrb.Vertical(rrb.Horizontal(left, twist, column_shares=[7, 3]), name="Engineer")
 
 
 def _service(history_s: float) -> rrb.Horizontal:
-    lateness = _plot(series.LATENESS, "Lateness of the loop, ms", history_s)
-    work = _plot(series.WORK, "Work of a turn, ms", history_s)
-    ages = _plot(series.AGES, "Age of the newest sample when the second ends, ms", history_s)
-    losses = _plot(series.LOSSES, "Losses in each second", history_s)
-    queues = _plot(series.QUEUES, "What waits: samples, messages, kB", history_s)
-    conditions = _lanes((f"{series.SERVICE_STATES}/**",), "Sensor, quality and conditions", history_s)
+    lateness = _plot(series.LATENESS, "Lateness of the loop, ms", history_s, NARROW)
+    work = _plot(series.WORK, "Work of a turn in each second, ms", history_s, NARROW)
+    ages = _plot(series.AGES, "Age of the newest sample when the second ends, ms", history_s, NARROW)
+    losses = _plot(series.LOSSES, "Losses in each second: samples, slots, messages", history_s, NARROW)
+    queues = _plot(series.QUEUES, "What waits for …", history_s, NARROW)
+    conditions = _lanes((f"{series.SENSOR}/**",), "Sensor, quality and conditions", history_s, NARROW)
     plots = rrb.Vertical(
         rrb.Horizontal(lateness, work), rrb.Horizontal(ages, losses), rrb.Horizontal(queues, conditions)
     )
@@ -114,7 +117,7 @@ def _bit_plot(origin: str, name: str, history_s: float, reach: Reach) -> rrb.Tim
     return rrb.TimeSeriesView(
         origin=origin,
         name=name,
-        axis_x=rrb.TimeAxis(view_range=_range(history_s)),
+        axis_x=_axis(history_s, WIDE),
         plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
         time_ranges=_visible(history_s),
         overrides={
@@ -125,22 +128,22 @@ def _bit_plot(origin: str, name: str, history_s: float, reach: Reach) -> rrb.Tim
     )
 
 
-def _plot(origin: str, name: str, history_s: float, without: str = "") -> rrb.TimeSeriesView:
+def _plot(origin: str, name: str, history_s: float, room: float, without: str = "") -> rrb.TimeSeriesView:
     return rrb.TimeSeriesView(
         origin=origin,
         contents=["$origin/**", f"- {without}"] if without else "$origin/**",
         name=name,
-        axis_x=rrb.TimeAxis(view_range=_range(history_s)),
+        axis_x=_axis(history_s, room),
         plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
         time_ranges=_visible(history_s),
     )
 
 
-def _lanes(contents: Sequence[str], name: str, history_s: float) -> rrb.StateTimelineView:
+def _lanes(contents: Sequence[str], name: str, history_s: float, room: float) -> rrb.StateTimelineView:
     return rrb.StateTimelineView(
         contents=list(contents),
         name=name,
-        time_view=rrb.TimeAxis(view_range=_range(history_s)),
+        time_view=_axis(history_s, room),
         time_ranges=_visible(history_s),
     )
 
@@ -167,11 +170,13 @@ def _log() -> rrb.TextLogView:
     return rrb.TextLogView(origin=series.LOG, name="Events", columns=columns)
 
 
-def _range(last_s: float) -> rr.TimeRange:
-    return rr.TimeRange(
-        start=rrb.TimeRangeBoundary.cursor_relative(seconds=-last_s),
+def _axis(last_s: float, room: float) -> rrb.TimeAxis:
+    """Of the last seconds; nothing is drawn in the room before them."""
+    whole = rr.TimeRange(
+        start=rrb.TimeRangeBoundary.cursor_relative(seconds=-last_s * (1 + room)),
         end=rrb.TimeRangeBoundary.cursor_relative(),
     )
+    return rrb.TimeAxis(view_range=whole)
 
 
 def _visible(last_s: float) -> rrb.VisibleTimeRanges:

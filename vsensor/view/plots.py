@@ -17,6 +17,10 @@ from vsensor.view.trace import Trace
 from vsensor.view.units import Units
 
 LIMITS_EVERY_NS = 1_000_000_000
+NEARING = 0.5
+"""A limit is drawn where the torque comes to this share of it: far above, it would press the curves flat."""
+NEARING_NS = 10_000_000_000
+"""For so long after it did: a torque that swings is near at each peak."""
 SIGMAS = 2.0
 """Standard deviations to each side of a line that its band covers."""
 
@@ -50,6 +54,8 @@ class Plots(Part):
         self._components = ("", "")
         self._looks: list[Batch] = self._looks_now()
         self._limits_due = Every(LIMITS_EVERY_NS)
+        self._neared_ns: dict[str, int] = {}
+        """When the torque at either end came near its limit last."""
 
     def take(self, message: Message) -> None:
         """Take in one message."""
@@ -104,11 +110,18 @@ class Plots(Part):
             self._bit[series.TORQUE, kind].add(found.time_ns, found.torque, found.torque_std)
 
     def _take_limits(self, profile: Profile) -> None:
-        if not profile.torque_limit_nm or not self._limits_due.due(profile.time_ns):
+        if not profile.torque_limit_nm:
             return
-        ends = profile.torque_limit_nm[0], profile.torque_limit_nm[-1]
-        for where, limit_nm in zip(_LIMITS, ends, strict=True):
-            self._lines[series.limit(where)].add(profile.time_ns, limit_nm * self._units.torque_factor)
+        at_ns = profile.time_ns
+        due = self._limits_due.due(at_ns)
+        for where, end in zip(_LIMITS, (0, -1), strict=True):
+            limit_nm = profile.torque_limit_nm[end]
+            if abs(profile.torque_nm[end]) >= NEARING * limit_nm:
+                self._neared_ns[where] = at_ns
+            neared = where in self._neared_ns and at_ns - self._neared_ns[where] < NEARING_NS
+            if due:
+                shown_nm = limit_nm if neared else math.nan
+                self._lines[series.limit(where)].add(at_ns, shown_nm * self._units.torque_factor)
 
     def _take_description(self, description: Description) -> None:
         self._drive.gear_ratio = description.gear_ratio

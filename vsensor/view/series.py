@@ -5,8 +5,13 @@
 GLANCE = "/glance"
 SPEED = "/speed"
 TORQUE = "/torque"
-AHEAD, BIT, ROUGHNESS, STRENGTH, TRUST = "/ahead", "/bit", "/stick-slip", "/strength", "/trust"
-DRILLER_STATES = (AHEAD, BIT, ROUGHNESS, STRENGTH, TRUST)
+
+# Rerun writes the path of a lane above it: these are read.
+BIT, AHEAD, ROUGHNESS, STRENGTH, TRUST = "/bit", "/stick-foretold", "/stick-slip", "/strength", "/trust"
+DRILLER_STATES = (BIT, AHEAD, ROUGHNESS, STRENGTH, TRUST)
+SENSOR = "/sensor"
+STATE, QUALITY = f"{SENSOR}/state", f"{SENSOR}/quality"
+
 PAGE = "/answers"
 LOG = "/log"
 
@@ -22,7 +27,6 @@ WORK = "/loop/work"
 AGES = "/input/age"
 LOSSES = "/losses"
 QUEUES = "/queues"
-SERVICE_STATES = "/service"
 HEALTH = "/health"
 
 EACH_TICK = f"{LATENESS}/each_tick"
@@ -42,6 +46,11 @@ def limit(where: str) -> str:
 def bit(plot: str, kind: str) -> str:
     """The bit's line in a plot; `kind` is confirmed, now or forecast."""
     return f"{plot}/bit/{kind}"
+
+
+def condition(name: str) -> str:
+    """The lane of an event that lasts."""
+    return f"{SENSOR}/{name.replace('_', '-')}"
 
 
 def present(plot: str) -> str:

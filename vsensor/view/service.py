@@ -41,25 +41,25 @@ def _refused(status: Status) -> int:
 
 
 _COUNTERS = (
-    Counter("lost", ("samples lost on the way", VERMILION), lambda s: sum(c.lost for c in s.channels)),
+    Counter("lost", ("samples lost", VERMILION), lambda s: sum(c.lost for c in s.channels)),
     Counter("refused", ("samples refused", ORANGE), _refused),
     Counter("skipped", ("slots skipped", BLUE), lambda s: s.slots_skipped),
-    Counter("unrecorded", ("messages not recorded", PINK), lambda s: s.recorder_dropped),
+    Counter("unrecorded", ("not recorded", PINK), lambda s: s.recorder_dropped),
 )
 QUEUES = (
-    Queue("inbox", "inbox_waiting", ("samples for a turn of the loop", GREEN), 1.0),
-    Queue("recorder", "recorder_queue_bytes", ("kB for the recorder", BLUE), 1e-3),
-    Queue("disk", "recording_backlog_bytes", ("kB for the disk", ORANGE), 1e-3),
+    Queue("inbox", "inbox_waiting", ("loop, samples", GREEN), 1.0),
+    Queue("recorder", "recorder_queue_bytes", ("recorder, kB", BLUE), 1e-3),
+    Queue("disk", "recording_backlog_bytes", ("disk, MB", ORANGE), 1e-6),
 )
 _LINES = (
-    Look(series.EACH_TICK, "of each tick", GREEN, 1.5),
-    Look(series.P99, "99 % below, of each second", VERMILION, 2.0),
-    Look(f"{series.WORK}/p50", "median of each second", GREEN, 2.0),
-    Look(f"{series.WORK}/p99", "99 % below, of each second", VERMILION, 2.0),
+    Look(series.EACH_TICK, "each tick", GREEN, 1.5),
+    Look(series.P99, "99 % below", VERMILION, 2.0),
+    Look(f"{series.WORK}/p50", "median", GREEN, 2.0),
+    Look(f"{series.WORK}/p99", "99 % below", VERMILION, 2.0),
     Look(f"{series.AGES}/surface_torque", "torque", ORANGE, 2.0),
     Look(f"{series.AGES}/surface_speed", "speed", BLUE, 2.0),
-    Look(f"{series.LOSSES}/unseen", "ticks that this view has missed", GREY, 2.0),
-    Look(f"{series.QUEUES}/view", "messages for this view", WHITE, 2.0),
+    Look(f"{series.LOSSES}/unseen", "not seen here", GREY, 2.0),
+    Look(f"{series.QUEUES}/view", "view, messages", WHITE, 2.0),
     *(Look(f"{series.QUEUES}/{q.name}", q.look[0], q.look[1], 2.0) for q in QUEUES),
     *(Look(f"{series.LOSSES}/{c.name}", c.look[0], c.look[1], 2.0) for c in _COUNTERS),
 )

@@ -23,16 +23,13 @@ CONDITIONS: Mapping[str, Colour] = {
 AGREED = 3
 """A stick that is foretold or not by so many ticks one after the other is drawn so."""
 
-SENSOR = f"{series.SERVICE_STATES}/sensor"
-QUALITY = f"{series.SERVICE_STATES}/quality"
-
 _LOOKS: dict[str, Mapping[str, Colour]] = {
     series.BIT: {"turns": GREEN, "stands": VERMILION, "turns back": PINK, "rests": GREY},
-    series.AHEAD: {"going to stick": ORANGE},
+    series.AHEAD: {"soon": ORANGE},
     series.ROUGHNESS: {"smooth": GREEN, "uneven": YELLOW, "stick-slip": VERMILION},
     series.STRENGTH: {"within limits": GREEN, "near a limit": YELLOW, "over a limit": VERMILION},
     series.TRUST: {"good": GREEN, "uncertain": YELLOW, "bad": VERMILION},
-    SENSOR: {
+    series.STATE: {
         "starting": GREY,
         "waiting for samples": GREY,
         "warming up": BLUE,
@@ -61,7 +58,7 @@ class States(Part):
                 self._show(series.STRENGTH, message.time_ns, strength(message))
             case Status():
                 self._show(series.ROUGHNESS, self.at_ns, roughness(message))
-                self._show_text(SENSOR, self.at_ns, message.state)
+                self._show_text(series.STATE, self.at_ns, message.state)
             case Event() if message.name in CONDITIONS:
                 self._take_event(message)
 
@@ -77,7 +74,7 @@ class States(Part):
         self._agreeing = self._agreeing + 1 if foretold == self._foretold else 1
         self._foretold = foretold
         if self._agreeing >= AGREED:
-            self._show_text(series.AHEAD, estimate.time_ns, "going to stick" if foretold else "")
+            self._show_text(series.AHEAD, estimate.time_ns, "soon" if foretold else "")
         self._show(series.TRUST, estimate.time_ns, trust(estimate))
         self._show_quality(estimate)
 
@@ -87,12 +84,12 @@ class States(Part):
         state = f"{verdict.word}: {verdict.why}" if verdict.why else verdict.word
         if state and state not in self._qualities:
             self._qualities[state] = _LOOKS[series.TRUST][verdict.word]
-            self._out.append(LaneLook(QUALITY, dict(self._qualities)))
-        self._show_text(QUALITY, estimate.time_ns, state)
+            self._out.append(LaneLook(series.QUALITY, dict(self._qualities)))
+        self._show_text(series.QUALITY, estimate.time_ns, state)
 
     def _take_event(self, event: Event) -> None:
         name = event.name.replace("_", " ")
-        entity = f"{series.SERVICE_STATES}/event/{event.name}"
+        entity = series.condition(event.name)
         if entity not in self._shown:
             self._out.append(LaneLook(entity, {name: CONDITIONS[event.name]}))
         self._show_text(entity, event.time_ns, name if event.begins else "")
