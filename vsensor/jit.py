@@ -1,4 +1,4 @@
-"""How the kernels are compiled: cached on disk, without fast-math.
+"""How the kernels are compiled: cached on disk, without fast-math, without memory of their own.
 
 Numba keys a cached kernel by its own file alone, so that a change in a kernel that it calls would go
 unseen. Ours are therefore cached in a folder named for the whole of what is compiled into them.
@@ -35,7 +35,9 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a kernel at its first call, or load it from the cache.
 
     Fast-math stays off: it lets the compiler assume that there is no NaN, and reorder sums, which
-    would end both the checks on input and the exactness of a replay.
+    would end both the checks on input and the exactness of a replay. A kernel that would allocate is
+    refused by the compiler: without its run-time for memory no references are counted either, which took
+    half of a tick's time.
     """
-    kernel: Callable[P, R] = numba.njit(cache=True)(function)
+    kernel: Callable[P, R] = numba.njit(cache=True, _nrt=False)(function)  # type: ignore[call-overload]
     return kernel

@@ -147,7 +147,7 @@ def _ours(case: Case) -> Contestant:
     state = _own(case)
     return Contestant(
         lambda: _march_all(case.model, state),
-        lambda: _step_all(case.model, state, case.state, case.torque),
+        lambda: _step_all(case.model, _as_before(state, case), case.torque),
         lambda: _correct_all(case.model, state, case.innovation),
         state,
     )
@@ -159,11 +159,15 @@ def _march_all(model: Model, state: State) -> None:
         predict(model, state, model.forecast)
 
 
+def _as_before(state: State, case: Case) -> State:
+    """The state with the ends of its strings as they were before anything was stepped."""
+    for name in ("junctions", "balances", "rock"):
+        getattr(state, name)[:] = getattr(case.state, name)
+    return state
+
+
 @compiled
-def _step_all(model: Model, state: State, start: State, torque: Floats) -> None:
-    state.junctions[:] = start.junctions
-    state.balances[:] = start.balances
-    state.rock[:] = start.rock
+def _step_all(model: Model, state: State, torque: Floats) -> None:
     line, string = line_of(model, 0), strand(state, 0)
     load = load_in_force(state.learned, model.bit_rate)
     first = state.ticks[0] * model.steps
@@ -218,8 +222,7 @@ def _theirs(case: Case, c: ctypes.CDLL) -> Contestant:
         )
 
     def step() -> None:
-        for name in ("junctions", "balances", "rock"):
-            getattr(state, name)[:] = getattr(case.state, name)
+        _as_before(state, case)
         c.turn(line, load, drive, string, number(first), _at(case.torque), number(STEPS))
 
     def correct() -> None:

@@ -40,16 +40,16 @@ static double sliding(const struct load *load, double drive, double resistance)
     const double fall = load->held - load->kinetic;
     if (x <= 0 || fall == 0)
         return x > 0 ? x : 0;
+    const double rate = 1.0 / load->stribeck;
     for (int k = 0; k < 50; k++) {
-        const double gone = fall * exp(-x / load->stribeck);
-        const double steep = resistance - gone / load->stribeck;
+        const double gone = fall * exp(-x * rate), slope = gone * rate, steep = resistance - slope;
         if (steep <= 0)
             return 0;
         const double change = (resistance * x + gone - drive) / steep;
         x -= change;
         if (x <= 0)
             return 0;
-        if (fabs(change) <= 1e-12 * x)
+        if (slope * rate * change * change <= 1e-12 * x * steep)
             break;
     }
     return x;

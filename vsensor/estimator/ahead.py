@@ -3,8 +3,8 @@
 import math
 
 from vsensor.estimator.learn import load_in_force
-from vsensor.estimator.line import march
 from vsensor.estimator.state import BIT, Model, State
+from vsensor.estimator.sweep import sweep
 from vsensor.jit import compiled
 
 STICK_S = 0.1
@@ -15,13 +15,12 @@ STICK_S = 0.1
 def predict(model: Model, state: State, steps: int) -> None:
     """March on to now, or to the end of the forecast; `ahead` then holds the bit at each of these steps."""
     known = state.ticks[0] * model.steps + model.steps - 1
-    state.marching[:] = state.junctions[0]
-    march(
+    for junction in range(state.marching.shape[0]):
+        state.marching[junction] = state.junctions[0, junction]
+    sweep(
         model.line,
         load_in_force(state.learned, model.bit_rate),
         state.waves[0],
-        known,
-        steps,
         known,
         steps,
         state.rock[0] * model.fade,

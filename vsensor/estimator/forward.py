@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vsensor.config import Bit, TopDrive
-from vsensor.estimator.line import EVERY_JUNCTION, march, turn_top
+from vsensor.estimator.line import march, turn_top
 from vsensor.estimator.load import Load, load_of
 from vsensor.estimator.sections import Floats, Line
 from vsensor.estimator.state import BIT, TOP
@@ -91,20 +91,7 @@ def _drive(
     z = line.impedance[0]
     for k in range(torques.shape[0]):
         step = done + k
-        g, balances[BIT] = march(
-            line,
-            load,
-            waves,
-            step - 1,
-            1,
-            step - 1,
-            EVERY_JUNCTION,
-            external[k],
-            1.0,
-            speeds,
-            balances[BIT],
-            told,
-        )
+        g, balances[BIT] = march(line, load, waves, step, external[k], speeds, balances[BIT], told)
         pull = drive.torque_ratio * torques[k] - g
         w, balances[TOP] = turn_top(line, drive.inertia_rate, pull, speeds[0], balances[TOP])
         speeds[0] = w

@@ -126,9 +126,12 @@ def lose_sight(learned: Learned) -> None:
 
 @compiled
 def _forget(learned: Learned, share: float) -> None:
-    learned.normal[:] *= share
-    learned.right[:] *= share
-    learned.square[:] *= share
+    for c in range(learned.speeds.shape[0]):
+        for i in range(3):
+            learned.right[c, i] *= share
+            for j in range(3):
+                learned.normal[c, i, j] *= share
+    learned.square[0] *= share
 
 
 @compiled
@@ -144,11 +147,9 @@ def _slide(learned: Learned, speed: float, torque: float, rate: float) -> None:
 
 @compiled
 def _add(learned: Learned, speed: float, torque: float, weight: float) -> None:
-    row = np.empty(3)
-    row[VISCOUS] = speed
     for c in range(learned.speeds.shape[0]):
-        row[STATIC] = math.exp(-speed / learned.speeds[c])
-        row[KINETIC] = 1.0 - row[STATIC]
+        fallen = math.exp(-speed / learned.speeds[c])
+        row = (speed, 1.0 - fallen, fallen)
         for i in range(3):
             learned.right[c, i] += weight * row[i] * torque
             for j in range(3):
@@ -170,7 +171,8 @@ def _work_out(learned: Learned, inertia: float) -> None:
     if slow > inertia and _residual(learned, best) < CONVINCED * _residual(learned, chosen):
         chosen = best
     learned.stop[1] = chosen
-    learned.law[:3] = learned.fits[chosen]
+    for i in range(3):
+        learned.law[i] = learned.fits[chosen, i]
     learned.law[3] = learned.speeds[chosen]
 
 
@@ -179,11 +181,9 @@ def _fit(learned: Learned, c: int, inertia: float) -> None:
     """Least squares over numbers that are not negative, held back by those of before."""
     p = learned.fits[c]
     a = learned.normal[c]
-    stay = np.empty(3)
-    pull = np.empty(3)
-    for i in range(3):
-        stay[i] = inertia * (TYPICAL_SPEED**2 if i == VISCOUS else 1.0)
-        pull[i] = learned.right[c, i] + stay[i] * p[i]
+    stay = (inertia * TYPICAL_SPEED**2, inertia, inertia)
+    right = learned.right[c]
+    pull = (right[0] + stay[0] * p[0], right[1] + stay[1] * p[1], right[2] + stay[2] * p[2])
     for _ in range(SWEEPS):
         for i in range(3):
             rest = pull[i]

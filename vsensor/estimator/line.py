@@ -12,9 +12,6 @@ from vsensor.estimator.load import Load, contact, foot, law, turn_bit
 from vsensor.estimator.sections import Floats, Line
 from vsensor.jit import compiled
 
-EVERY_JUNCTION = 1 << 60
-"""A reach for the march that spares no junction."""
-
 FADE_SPEED = 1.0
 """Below this speed (rad/s) Coulomb friction fades to zero where it is told of a speed that was measured: a
 junction at rest may bear any torque up to the static one, and the sign of its noise would throw the full
@@ -33,58 +30,75 @@ def march(
     line: Line,
     load: Load,
     waves: Floats,
-    known: int,
-    steps: int,
-    heard: int,
-    reach: int,
+    step: int,
     external: float,
-    fade: float,
     speeds: Floats,
     balance: float,
     told: Floats,
 ) -> tuple[float, float]:
-    """March the string from the bit up by a load law, for `steps` steps after step `known`.
+    """March the string from the bit up by a load law, for one step.
 
-    Enters f of those steps into all sections but the top one, whose f has been heard up to step
-    `heard` and is taken to stay from then on. `speeds` (M + 1,) and `balance`, J dω/dt of the bit,
-    are the state at `known`; the first is replaced. Each step leaves bit speed and torque in `told`
-    (2, ≥ steps). Only junctions whose wave reaches the bit within `reach` steps matter; none is spared
-    where that is large. `external` is a further torque on the bit, of which a share `fade` is left at
-    each following step. Returns the wave g that leaves the top at the last step, and the new balance.
+    Enters f of that step into all sections but the top one. `speeds` (M + 1,) and `balance`, J dω/dt of the
+    bit, are the state at the step before; the first is replaced. Leaves bit speed and torque in `told`
+    (2, ≥ 1). `external` is a further torque on the bit. Returns the wave g that leaves the top, and the new
+    balance.
     """
-    mask = waves.shape[1] - 1
+    g, balance = pass_bit(line, load, waves, step, step - 1, external, speeds, balance, told, 0)
+    for i in range(line.impedance.shape[0] - 2, -1, -1):
+        if i < 0:  # never so; but said, it spares the compiler its care for negative indices: a fifth
+            break
+        g = pass_junction(line, waves, i, step, step - 1, g, speeds)
+    return g, balance
+
+
+@compiled
+def pass_bit(
+    line: Line,
+    load: Load,
+    waves: Floats,
+    step: int,
+    heard: int,
+    external: float,
+    speeds: Floats,
+    balance: float,
+    told: Floats,
+    place: int,
+) -> tuple[float, float]:
+    """Turn the bit by a step; returns the wave g that leaves it upward, and J dω/dt.
+
+    What it does is left in `told[:, place]`. The top section's f is taken to stay as at step `heard`.
+    """
     last = line.impedance.shape[0] - 1
     at = foot(line)
-    g = 0.0
-    highest = 0
-    matters = reach - line.round_trip[1:].sum() if reach < EVERY_JUNCTION else EVERY_JUNCTION
-    for ahead in range(1, steps + 1):
-        while ahead > matters and highest < last:
-            highest += 1
-            matters += line.round_trip[highest]
-        step = known + ahead
-        left = step - line.round_trip[last]
-        f = waves[last, (min(left, heard) if last == 0 else left) & mask] - external
-        w, balance = turn_bit(load, at, f, speeds[last + 1], balance)
-        speeds[last + 1] = w
-        told[0, ahead - 1] = w
-        told[1, ahead - 1] = external + (law(load, w) if w != 0 else f)
-        g = f + external - 2 * at.impedance * w
-        external *= fade
-        for i in range(last - 1, highest - 1, -1):
-            if i < 0:  # never so; but said, it spares the compiler its care for negative indices: a fifth
-                break
-            left = step - line.round_trip[i]
-            f = waves[i, (min(left, heard) if i == 0 else left) & mask]
-            z = line.impedance[i]
-            below = line.impedance[i + 1]
-            w = contact(
-                f - g, z + below + line.viscous[i + 1], line.kinetic[i + 1], line.static[i + 1], speeds[i + 1]
-            )
-            speeds[i + 1] = w
-            waves[i + 1, step & mask] = g + 2 * below * w
-            g = f - 2 * z * w
-    return g, balance
+    f = _arriving(line, waves, last, step, heard) - external
+    w, balance = turn_bit(load, at, f, speeds[last + 1], balance)
+    speeds[last + 1] = w
+    told[0, place] = w
+    told[1, place] = external + (law(load, w) if w != 0 else f)
+    return f + external - 2 * at.impedance * w, balance
+
+
+@compiled
+def pass_junction(
+    line: Line, waves: Floats, i: int, step: int, heard: int, g: float, speeds: Floats
+) -> float:
+    """Pass a wave g up through the junction below section i, and send f down; returns g as it goes on."""
+    f = _arriving(line, waves, i, step, heard)
+    z = line.impedance[i]
+    below = line.impedance[i + 1]
+    w = contact(
+        f - g, z + below + line.viscous[i + 1], line.kinetic[i + 1], line.static[i + 1], speeds[i + 1]
+    )
+    speeds[i + 1] = w
+    waves[i + 1, step & (waves.shape[1] - 1)] = g + 2 * below * w
+    return float(f - 2 * z * w)
+
+
+@compiled
+def _arriving(line: Line, waves: Floats, i: int, step: int, heard: int) -> float:
+    """The wave f at the bottom of section i."""
+    left = step - line.round_trip[i]
+    return float(waves[i, (min(left, heard) if i == 0 else left) & (waves.shape[1] - 1)])
 
 
 @compiled

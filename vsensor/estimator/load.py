@@ -7,6 +7,9 @@ from vsensor.config import Bit
 from vsensor.estimator.sections import Line
 from vsensor.jit import compiled
 
+CLOSE = 1e-12
+"""The bit's speed is found to so small a share of itself."""
+
 
 class Load(NamedTuple):
     """A load law: T(ω) = viscous ω + sign ω (kinetic + (static − kinetic) e^(−|ω|/stribeck)).
@@ -111,15 +114,18 @@ def _sliding(load: Load, drive: float, resistance: float) -> float:
     fall = load.static - load.kinetic
     if x <= 0 or fall == 0:
         return max(x, 0.0)
+    rate = 1.0 / load.stribeck
     for _ in range(50):
-        gone = fall * math.exp(-x / load.stribeck)
-        steep = resistance - gone / load.stribeck
+        gone = fall * math.exp(-x * rate)
+        slope = gone * rate
+        steep = resistance - slope
         if steep <= 0:
             return 0.0
         change = (resistance * x + gone - drive) / steep
         x -= change
         if x <= 0:
             return 0.0
-        if abs(change) <= 1e-12 * x:
+        # By Taylor what is missing still is half of this, for all that it went with the last change squared.
+        if slope * rate * change * change <= CLOSE * x * steep:
             break
     return x

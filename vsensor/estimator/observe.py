@@ -13,7 +13,7 @@ import math
 from vsensor.estimator.along import keep_returned
 from vsensor.estimator.gains import Gains
 from vsensor.estimator.learn import load_in_force
-from vsensor.estimator.line import EVERY_JUNCTION, march, rubbing, turn_top
+from vsensor.estimator.line import march, rubbing, turn_top
 from vsensor.estimator.load import Load, law
 from vsensor.estimator.responses import (
     BIT_BALANCE,
@@ -138,18 +138,7 @@ def turn_by_speed(
 @compiled
 def _march_up(line: Line, load: Load, string: Strand, ahead: Floats, step: int) -> float:
     g, string.balances[BIT] = march(
-        line,
-        load,
-        string.waves,
-        step - 1,
-        1,
-        step - 1,
-        EVERY_JUNCTION,
-        string.rock[0],
-        1.0,
-        string.junctions,
-        string.balances[BIT],
-        ahead,
+        line, load, string.waves, step, string.rock[0], string.junctions, string.balances[BIT], ahead
     )
     now = step & (string.told.shape[1] - 1)
     string.told[TOLD_BIT_SPEED, now] = ahead[0, 0]

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vsensor.estimator.along import Stations, keep_returned
-from vsensor.estimator.line import EVERY_JUNCTION, march, turn_top
+from vsensor.estimator.line import march, turn_top
 from vsensor.estimator.load import Load
 from vsensor.estimator.sections import Floats, Integers, Line
 from vsensor.estimator.spectra import Complexes
@@ -99,7 +99,9 @@ def responses(plant: Plant, at: Stations, ticks: int, *, by_rock: bool) -> Respo
         pulls[:] = 0.0
     else:
         sample[own] = 1.0
-    _strike(free, load, plant.drive_rate, plant.steps, fade, by_rock, pulls, rings, state, waves, told)
+    scratch = np.zeros(sections + 1), np.zeros((2, 1))
+    outcome = state, waves, told
+    _strike(free, load, plant.drive_rate, plant.steps, fade, by_rock, pulls, rings, *scratch, *outcome)
     # Cut off, what is left at the end would ring in the spectra: it fades from the middle on.
     fades = np.minimum(1.0, 2 * np.cos(np.pi / 2 * np.arange(half) / half) ** 2)
     forgets = fades * np.exp(-np.arange(half) / (MEMORY_S * plant.rate))
@@ -162,21 +164,22 @@ def _strike(
     by_rock: bool,
     pulls: Floats,
     rings: Floats,
+    speeds: Floats,
+    bit: Floats,
     state: Floats,
     waves: Floats,
     told: Floats,
 ) -> None:
-    """Answers of a string at rest to 1 N·m of rock that fades, or to the motor's `pulls`, N·m a step."""
+    """Answers of a string at rest to 1 N·m of rock that fades, or to the motor's `pulls`, N·m a step.
+
+    `rings` (2, M, size), `speeds` (M + 1,) and `bit` (2, 1) are room for it, all zero.
+    """
     ring = rings[0]
     mask = ring.shape[1] - 1
-    speeds = np.zeros(line.impedance.shape[0] + 1)
-    bit = np.zeros((2, 1))
     top_balance, bit_balance = 0.0, 0.0
     rock = 1.0 if by_rock else 0.0
     for step in range(waves.shape[0]):
-        g, bit_balance = march(
-            line, load, ring, step - 1, 1, step - 1, EVERY_JUNCTION, rock, 1.0, speeds, bit_balance, bit
-        )
+        g, bit_balance = march(line, load, ring, step, rock, speeds, bit_balance, bit)
         w, top_balance = turn_top(line, drive_rate, pulls[step] - g, speeds[0], top_balance)
         speeds[0] = w
         ring[0, step & mask] = g + 2 * line.impedance[0] * w
