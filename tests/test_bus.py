@@ -1,8 +1,12 @@
 """Zenoh: samples in order and in any form, nothing of other rigs, errors that say what to do."""
 
+import ctypes
 import itertools
 import json
+import resource
 import socket
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -26,6 +30,8 @@ from vsensor.messages import (
 )
 
 NS = 1_000_000_000
+PR_CAPBSET_DROP = 24
+CAP_IPC_LOCK = 14
 NUMBERS = itertools.count()
 
 
@@ -226,6 +232,30 @@ def test_zenohs_own_settings_are_used_under_ours(tmp_path: Path, bus: Bus) -> No
         assert str(session.info.zid()) == "abcdef"
         with open_session(bus, "client"):
             pass
+
+
+def test_it_needs_no_locked_memory(bus: Bus) -> None:
+    """Containers, and old systems, grant hardly any."""
+    code = """
+import sys
+from vsensor.bus import open_session
+from vsensor.config import Bus
+with open_session(Bus(listen=(sys.argv[1],)), "daemon"):
+    print("open")
+"""
+
+    def without() -> None:
+        resource.setrlimit(resource.RLIMIT_MEMLOCK, (0, 0))
+        ctypes.CDLL(None).prctl(PR_CAPBSET_DROP, CAP_IPC_LOCK, 0, 0, 0)  # root is refused nothing else
+
+    done = subprocess.run(
+        [sys.executable, "-c", code, bus.listen[0]],
+        preexec_fn=without,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.stdout, done.stderr) == ("open\n", "")
 
 
 def test_the_daemon_listens_on_this_machine_alone(network: Bus, daemon: zenoh.Session) -> None:

@@ -40,6 +40,8 @@ def zenoh_config(bus: Bus, role: Role) -> zenoh.Config:
         "connect/endpoints": list(bus.connect) if role == "daemon" else list(bus.connect or bus.listen),
         "scouting/multicast/enabled": bus.multicast_scouting,
         "timestamping/enabled": True,
+        # Nothing we send is large enough for it, and it wants locked memory, which containers seldom grant.
+        "transport/shared_memory/enabled": False,
     }
     if bus.user is not None:
         settings |= {f"{_LOGIN}/user": bus.user, f"{_LOGIN}/password": _password(bus)}
