@@ -63,7 +63,8 @@ def test_where_the_usual_port_is_taken_another_is(monkeypatch: pytest.MonkeyPatc
 
 def test_the_page_is_a_whole_address_on_this_machine_alone() -> None:
     page = Place("page", 9876, 9090).page
-    assert page == "http://127.0.0.1:9090/?url=rerun%2Bhttp%3A%2F%2F127.0.0.1%3A9876%2Fproxy"
+    address = "http://127.0.0.1:9090/?url=rerun%2Bhttp%3A%2F%2F127.0.0.1%3A9876%2Fproxy"
+    assert page == f"{address}&theme=dark&hide_welcome_screen"
 
 
 def test_later_recordings_get_files_of_their_own() -> None:

@@ -46,8 +46,9 @@ class Place:
 
     @property
     def page(self) -> str:
-        """The address of the page for a browser."""
-        return f"http://{self.host}:{self.page_port}/?url={quote(self.source, safe='')}"
+        """The address of the page for a browser: dark as our colours want, without examples of Rerun's."""
+        url = quote(self.source, safe="")
+        return f"http://{self.host}:{self.page_port}/?url={url}&theme=dark&hide_welcome_screen"
 
     @property
     def origins(self) -> list[str]:
