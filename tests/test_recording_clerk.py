@@ -4,94 +4,15 @@ import errno
 import json
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from vsensor.messages import SENSOR_STATE, SURFACE_TORQUE, Sample, State
+from tests.clerks import Desk, at, made, numbers, sessions, states
 from vsensor.recording import wire
-from vsensor.recording.clerk import Clerk, News
-from vsensor.recording.disk import Disk
 from vsensor.recording.limits import Limits
-from vsensor.recording.part import Head
 from vsensor.recording.reader import Session
-from vsensor.recording.writer import SessionWriter
-
-RIG = "r"
-HEAD = Head("[rig]", {"rig": RIG}, "zstd")
-NAME = f"{RIG}-20260101T000000Z.mcap"
-
-
-class Desk:
-    """A clerk, and what a daemon would hand to it."""
-
-    def __init__(self, folder: Path, limits: Limits, begin: bool = True) -> None:
-        self.folder = folder
-        self.free = 1 << 40
-        self.sent = 0
-        self.news: list[News] = []
-        disk = Disk(folder, RIG, limits, lambda _: self.free)
-        self.clerk = Clerk(folder / NAME, HEAD, limits, disk=disk)
-        if begin:
-            self.clerk.begin(folder / NAME)
-
-    def send(self, count: int) -> None:
-        for _ in range(count):
-            data = Sample(sequence=self.sent, value=self.sent).SerializeToString()
-            topic = SURFACE_TORQUE.encode()
-            head = wire.HEAD.pack(len(topic), len(data), self.sent, self.sent)
-            self.clerk.take(head + topic + data)
-            self.sent += 1
-
-    def remember(self, order: str = wire.KEEP, path: Path | None = None, dropped: int = 0) -> None:
-        """Hand over a state; its number is that of the next message."""
-        header = State(number=self.sent).SerializeToString()
-        words = {"order": order, "path": "" if path is None else str(path), "dropped": dropped, "state": 0}
-        remembered = len(header).to_bytes(4, "little") + header
-        self.clerk.take(wire.Checkpoint(words, time.time_ns(), remembered))
-
-    def order(self, **words: Any) -> None:
-        self.clerk.take(wire.packed_order({"dropped": 0, "path": "", "seconds": 0.0, **words}, 0))
-
-    def look(self) -> News:
-        self.clerk.each_second()
-        self.clerk.work()
-        self.news.append(self.clerk.news())
-        return self.news[-1]
-
-    def close(self) -> None:
-        self.order(order=wire.FAREWELL)
-        self.clerk.close(told_to_end=False)
-        self.news.append(self.clerk.news())
-
-    def failed(self) -> bool:
-        return self.clerk.failed
-
-    @property
-    def events(self) -> list[tuple[str, bool]]:
-        return [(name, begins) for news in self.news for name, begins, _ in news["events"]]
-
-
-def numbers(path: Path) -> list[int]:
-    """Of the samples in a session."""
-    return [r.message.sequence for r in Session(path).messages((SURFACE_TORQUE,))]  # type: ignore[union-attr]
-
-
-def states(path: Path) -> list[tuple[int, int]]:
-    """Each state in a session: behind how many samples it stands, and the number that it tells."""
-    found, samples = [], 0
-    for topic, message, _, _ in Session(path).messages():
-        if topic == SENSOR_STATE and isinstance(message, State):
-            found.append((samples, message.number))
-        samples += topic == SURFACE_TORQUE
-    return found
-
-
-def sessions(folder: Path) -> list[Path]:
-    """Complete ones, in the order of their making."""
-    return sorted(folder.glob("*.mcap"), key=lambda path: path.stat().st_mtime_ns)
 
 
 def test_parts_follow_one_another_without_a_message_between_and_each_begins_with_a_state(
@@ -151,53 +72,6 @@ def test_on_command_it_stops_starts_and_splits(tmp_path: Path) -> None:
     assert Session(tmp_path / "b.mcap").recorder["ended"] == "stopped on command"
     assert desk.events.count(("recording", True)) == 3
     assert desk.events.count(("recording", False)) == 3
-
-
-def test_a_full_disk_ends_the_file_in_time_and_room_begins_another(tmp_path: Path) -> None:
-    desk = Desk(tmp_path, Limits(keep_free=1e9))
-    desk.remember()
-    desk.send(10)
-    assert desk.look()["trouble"] == ""
-    desk.free = 999_000_000
-    full = desk.look()
-    assert full["path"] == ""
-    assert "the disk has only 999 MB left, 1 GB must stay" in full["trouble"]
-    assert not full["wants"]
-    (whole,) = sessions(tmp_path)
-    assert numbers(whole) == [*range(10)]
-    assert Session(whole).complete
-
-    desk.send(7)
-    desk.free = 1_050_000_000  # not so much that it could write for long
-    assert not desk.look()["wants"]
-    desk.free = 2_000_000_000
-    assert desk.look()["wants"]
-    desk.remember()
-    desk.send(10)
-    desk.close()
-
-    assert desk.news[-1]["lost"] == 7
-    assert desk.news[-1]["trouble"] == ""
-    assert desk.events == [("recording", begins) for begins in (True, False, True, False)]
-    assert not desk.failed()
-    second = sessions(tmp_path)[1]
-    assert numbers(second) == [*range(17, 27)]
-    assert states(second) == [(0, 17)]
-
-
-def test_without_room_at_the_start_nothing_is_written_until_there_is(tmp_path: Path) -> None:
-    desk = Desk(tmp_path, Limits(keep_free=1e9), begin=False)
-    desk.free = 10
-    desk.clerk.begin(tmp_path / NAME)
-    desk.remember()
-    assert "must stay" in desk.look()["trouble"]
-    assert list(tmp_path.iterdir()) == []
-    desk.free = 1 << 40
-    assert desk.look()["wants"]
-    desk.remember()
-    desk.send(3)
-    desk.close()
-    assert [numbers(part) for part in sessions(tmp_path)] == [[0, 1, 2]]
 
 
 def test_behind_a_loss_a_state_is_written_and_only_there(tmp_path: Path) -> None:
@@ -274,6 +148,21 @@ def test_no_session_is_written_over(tmp_path: Path) -> None:
     assert numbers(tmp_path / "a-3.mcap") == [0]
 
 
+def test_whatever_there_is_to_tell_fits_into_packets_and_nothing_is_left_out(tmp_path: Path) -> None:
+    folder = tmp_path / ("long" * 50)
+    folder.mkdir()
+    for number in range(60):
+        made(folder / at(10, more=f"-{number + 2}"), age_s=100)
+    desk = Desk(folder, Limits(keep_for=50))
+    told = [desk.look()]
+    while desk.clerk.has_more:
+        told.append(desk.look())
+    desk.close()
+    assert sum(name == "session_deleted" for news in told for name, _, _ in news["events"]) == 60
+    assert len(told) > 1
+    assert all(len(json.dumps(news)) < wire.PACKET_BYTES for news in told)
+
+
 def test_a_disk_that_refuses_is_tried_again_and_what_it_tore_is_mended(
     tmp_path: Path, clock: Callable[[float], None], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -313,87 +202,3 @@ def test_a_disk_that_refuses_is_tried_again_and_what_it_tore_is_mended(
     assert numbers(whole) == [*range(18, 28)]
     assert not desk.failed()
     assert desk.news[-1]["lost"] >= 8
-
-
-def made(path: Path, rig: str = RIG, age_s: float = 0.0, complete: bool = True, size: int = 0) -> Path:
-    """A session of some age, filled up to some size."""
-    with SessionWriter(path, configuration=" " * size, metadata={"rig": rig}, compression="none") as writer:
-        writer.write(SURFACE_TORQUE, b"", 1, 1)
-    if not complete:
-        path.write_bytes(path.read_bytes()[:-20])
-    os.utime(path, (time.time() - age_s,) * 2)
-    return path
-
-
-def at(hour: int, rig: str = RIG, more: str = "") -> str:
-    return f"{rig}-20260101T{hour:02d}0000Z{more}.mcap"
-
-
-def test_only_complete_sessions_of_this_rig_are_deleted_for_their_age(tmp_path: Path) -> None:
-    old = made(tmp_path / at(1), age_s=100)
-    kept: Sequence[Path] = [
-        made(tmp_path / at(2), age_s=10),
-        made(tmp_path / at(3, more="-snapshot"), age_s=100),
-        made(tmp_path / at(4), rig="another", age_s=100),
-        made(tmp_path / at(5, rig=f"{RIG}-2"), rig=f"{RIG}-2", age_s=100),
-        made(tmp_path / at(6), age_s=100, complete=False),
-        made(tmp_path / "renamed.mcap", age_s=100),
-        made(tmp_path / at(7, more=".mcap.part").replace(".mcap.part", "-x"), age_s=100),
-    ]
-    (tmp_path / at(8)).write_bytes(b"no session")
-    os.utime(tmp_path / at(8), (0, 0))
-    desk = Desk(tmp_path, Limits(keep_for=50))
-    news = desk.look()
-    assert not old.exists()
-    assert all(path.exists() for path in kept)
-    assert (tmp_path / at(8)).exists()
-    desk.close()
-    assert news["figures"]["recording_deleted"] == 1
-    assert ("session_deleted", True) in desk.events
-
-
-def test_the_oldest_go_while_all_are_too_large(tmp_path: Path) -> None:
-    made_ = [made(tmp_path / at(n), age_s=100 - n, size=100_000) for n in range(1, 6)]
-    Desk(tmp_path, Limits(keep_size=250_000)).close()
-    assert [path.exists() for path in made_] == [False, False, False, True, True]
-
-
-def test_whatever_there_is_to_tell_fits_into_packets_and_nothing_is_left_out(tmp_path: Path) -> None:
-    folder = tmp_path / ("long" * 50)
-    folder.mkdir()
-    for number in range(60):
-        made(folder / at(10, more=f"-{number + 2}"), age_s=100)
-    desk = Desk(folder, Limits(keep_for=50))
-    told = [desk.look()]
-    while desk.clerk.has_more:
-        told.append(desk.look())
-    desk.close()
-    assert sum(name == "session_deleted" for news in told for name, _, _ in news["events"]) == 60
-    assert len(told) > 1
-    assert all(len(json.dumps(news)) < wire.PACKET_BYTES for news in told)
-
-
-def test_a_torn_session_is_mended_at_the_next_start_and_the_torn_one_kept(tmp_path: Path) -> None:
-    whole = made(tmp_path / at(1), size=1000)
-    data = whole.read_bytes()
-    whole.unlink()
-    torn = tmp_path / f"{at(1)}.part"
-    torn.write_bytes(data[:-20])
-    (tmp_path / f"{at(2)}.part").touch()
-    with SessionWriter(
-        tmp_path / at(3), configuration="", metadata={"rig": RIG}, compression="none"
-    ) as being_written:
-        desk = Desk(tmp_path, Limits())
-        deadline = time.monotonic() + 30
-        while ("session_mended", True) not in desk.events:
-            assert time.monotonic() < deadline
-            desk.look()
-            time.sleep(0.05)
-        assert being_written.part.exists()
-
-    assert numbers(whole) == [0]
-    assert Session(whole).complete
-    assert (tmp_path / f"{at(1)}.torn").read_bytes() == data[:-20]
-    assert (tmp_path / f"{at(2)}.torn").exists()
-    assert not torn.exists()
-    desk.close()

@@ -1,95 +1,20 @@
 """A session played: each sample at its time, by any clock, once or over and over."""
 
 import math
-from collections.abc import Callable, Iterable
 from itertools import pairwise
 from pathlib import Path
-from typing import cast
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.players import MS, SECOND, FakeClock, Listener, after, session_of
 from vsensor.errors import InputError
 from vsensor.messages import BIT_SPEED, SURFACE_SPEED, SURFACE_TORQUE, Message, Sample
 from vsensor.recording.course import Course
-from vsensor.recording.player import Command, Progress, play
+from vsensor.recording.player import Command, play
 from vsensor.recording.reader import Session
 from vsensor.recording.writer import SessionWriter
-
-MS = 1_000_000
-SECOND = 1000 * MS
-
-
-class FakeClock:
-    """Time passes only by sleeping (and oversleeping), and by work between."""
-
-    def __init__(self, overshoot_ns: int = 0) -> None:
-        self.time_ns = 777 * SECOND
-        self.overshoot_ns = overshoot_ns
-
-    def now_ns(self) -> int:
-        return self.time_ns
-
-    def sleep_until(self, time_ns: int) -> None:
-        self.time_ns = max(self.time_ns, time_ns + self.overshoot_ns)
-
-
-class Listener:
-    """Notes what came, and when after the first."""
-
-    def __init__(self, clock: FakeClock, work_ns: int = 0) -> None:
-        self._clock = clock
-        self._work_ns = work_ns
-        self.topics: list[str] = []
-        self.samples: list[Sample] = []
-        self.times_ns: list[int] = []
-
-    def put(self, topic: str, message: Message) -> None:
-        sample = cast("Sample", message)
-        self.topics.append(topic)
-        self.samples.append(sample)
-        self.times_ns.append(self._clock.time_ns)
-        self._clock.time_ns += self._work_ns
-
-    @property
-    def after_ns(self) -> list[int]:
-        return [time_ns - self.times_ns[0] for time_ns in self.times_ns]
-
-    def stamps_ms(self) -> list[float]:
-        return [sample.time_ns / MS for sample in self.samples]
-
-
-def session_of(
-    path: Path,
-    times_ms: Iterable[float],
-    arrivals_ms: Iterable[float] | None = None,
-    sync_each: int = 1 << 30,
-) -> Session:
-    start_ns = 5 * SECOND
-    times = [start_ns + round(time * MS) for time in times_ms]
-    arrivals = times if arrivals_ms is None else [start_ns + round(time * MS) for time in arrivals_ms]
-    with SessionWriter(path, configuration="", metadata={"rig": "r"}, compression="none") as writer:
-        for number, (time_ns, arrival_ns) in enumerate(zip(times, arrivals, strict=True)):
-            sample = Sample(time_ns=time_ns, value=number, sequence=100 + number)
-            writer.write(SURFACE_TORQUE, sample.SerializeToString(), arrival_ns, time_ns)
-            writer.write(BIT_SPEED, sample.SerializeToString(), arrival_ns, time_ns)
-            if number % sync_each == 0:
-                writer.sync()
-    return Session(path)
-
-
-def after(clock: FakeClock, script: dict[int, Command]) -> Callable[[], Command | None]:
-    """A listener at the keyboard who gives each command once, that many ns after the start."""
-    start_ns = clock.time_ns
-    waiting = sorted(script.items())
-
-    def command() -> Command | None:
-        if waiting and clock.time_ns - start_ns >= waiting[0][0]:
-            return waiting.pop(0)[1]
-        return None
-
-    return command
 
 
 def test_samples_come_at_the_spacing_of_their_own_times(tmp_path: Path) -> None:
@@ -194,109 +119,6 @@ def test_a_looped_piece_never_turns_time_back(tmp_path: Path) -> None:
     assert all(one < other for one, other in pairwise(listener.after_ns))
 
 
-def test_a_pause_holds_and_the_rest_keeps_its_spacing(tmp_path: Path) -> None:
-    clock = FakeClock()
-    listener = Listener(clock)
-    session = session_of(tmp_path / "a.mcap", [0, 1000, 2000, 3000])
-    script = {1200 * MS: Command.PAUSE, 5200 * MS: Command.PAUSE}
-    play(Course([session]), listener.put, clock=clock, command=after(clock, script))
-    assert listener.after_ns == [0, SECOND, 6 * SECOND, 7 * SECOND]
-
-
-def test_paused_each_step_gives_one_sample(tmp_path: Path) -> None:
-    clock = FakeClock()
-    listener = Listener(clock)
-    session = session_of(tmp_path / "a.mcap", [0, 1000, 2000, 3000, 4000])
-    script = {
-        100 * MS: Command.PAUSE,
-        500 * MS: Command.STEP,
-        600 * MS: Command.STEP,
-        10 * SECOND: Command.PAUSE,
-    }
-    play(Course([session]), listener.put, clock=clock, command=after(clock, script))
-    assert listener.after_ns == [0, 500 * MS, 600 * MS, 11 * SECOND, 12 * SECOND]
-
-
-def test_a_step_while_playing_does_nothing(tmp_path: Path) -> None:
-    clock = FakeClock()
-    listener = Listener(clock)
-    session = session_of(tmp_path / "a.mcap", [0, 1000])
-    play(Course([session]), listener.put, clock=clock, command=after(clock, {100 * MS: Command.STEP}))
-    assert listener.after_ns == [0, SECOND]
-
-
-def test_seeking_goes_on_from_there_at_once_and_ends_stay_ends(tmp_path: Path) -> None:
-    clock = FakeClock()
-    listener = Listener(clock)
-    session = session_of(tmp_path / "a.mcap", [1000 * n for n in range(100)])
-    script = {
-        5500 * MS: Command.FORWARD,
-        6100 * MS: Command.FAR_FORWARD,
-        7100 * MS: Command.FAR_BACK,
-        8100 * MS: Command.FAR_BACK,
-        9100 * MS: Command.QUIT,
-    }
-    play(Course([session]), listener.put, clock=clock, command=after(clock, script))
-    played = [round(stamp / 1000) - 5 for stamp in listener.stamps_ms()]
-    assert played == [0, 1, 2, 3, 4, 5, 16, 77, 18, 0]
-    assert listener.after_ns[5:8] == [5 * SECOND, 6 * SECOND, 7 * SECOND]
-
-
-def test_sought_while_paused_it_stays_paused(tmp_path: Path) -> None:
-    clock = FakeClock()
-    listener = Listener(clock)
-    session = session_of(tmp_path / "a.mcap", [1000 * n for n in range(100)])
-    script = {
-        1500 * MS: Command.PAUSE,
-        2000 * MS: Command.FORWARD,
-        9000 * MS: Command.STEP,
-        9500 * MS: Command.QUIT,
-    }
-    seen: list[Progress] = []
-    count = play(Course([session]), listener.put, clock=clock, command=after(clock, script), show=seen.append)
-    assert count == 3
-    assert listener.stamps_ms()[-1] == 17_000
-    assert listener.after_ns[-1] == 9 * SECOND
-    assert seen[-1] == Progress(pytest.approx(12.0), 3, True)  # type: ignore[arg-type]
-
-
-def test_beyond_the_end_there_is_nothing_more(tmp_path: Path) -> None:
-    clock = FakeClock()
-    listener = Listener(clock)
-    session = session_of(tmp_path / "a.mcap", [1000 * n for n in range(30)])
-    play(Course([session]), listener.put, clock=clock, command=after(clock, {100: Command.FAR_FORWARD}))
-    assert [round(stamp / 1000) - 5 for stamp in listener.stamps_ms()] == [0, 29]
-
-
-def test_as_fast_as_it_goes_never_waits_but_obeys(tmp_path: Path) -> None:
-    clock = FakeClock()
-    listener = Listener(clock, work_ns=1000)
-    session = session_of(tmp_path / "a.mcap", [1000 * n for n in range(1000)])
-    assert play(Course([session]), listener.put, clock=clock, speed=math.inf) == 1000
-    assert clock.time_ns - listener.times_ns[0] == 1000 * 1000
-    script = {10_000: Command.PAUSE, 5 * SECOND: Command.PAUSE, 5 * SECOND + 10_000: Command.QUIT}
-    again = Listener(clock, work_ns=1000)
-    count = play(Course([session]), again.put, clock=clock, speed=math.inf, command=after(clock, script))
-    assert 10 < count < 100
-    assert 5 * SECOND <= again.after_ns[-1] < 6 * SECOND
-
-
-def test_present_stamps_stay_present_when_it_is_sought(tmp_path: Path) -> None:
-    clock = FakeClock()
-    listener = Listener(clock)
-    session = session_of(tmp_path / "a.mcap", [1000 * n for n in range(100)])
-    script = {2500 * MS: Command.FORWARD, 4500 * MS: Command.QUIT}
-    play(
-        Course([session]),
-        listener.put,
-        clock=clock,
-        stamp=lambda: clock.time_ns,
-        command=after(clock, script),
-    )
-    assert [stamp - 777_000 for stamp in listener.stamps_ms()] == [0, 1000, 2000, 3000, 4000]
-    assert [sample.sequence - 100 for sample in listener.samples] == [0, 1, 2, 13, 14]
-
-
 def test_sessions_follow_one_another_at_their_gap_or_the_longest_allowed(tmp_path: Path) -> None:
     clock = FakeClock()
     listener = Listener(clock)
@@ -349,16 +171,6 @@ def test_what_is_read_from_the_middle_is_what_lies_there(
     wanted = [placed for placed in everything if start_ns <= placed.position_ns < end_ns]
     assert list(course.between(start_ns, end_ns)) == wanted
     assert [placed.position_ns for placed in everything] == [time * MS for time in times]
-
-
-def test_quitting_ends_a_long_wait_soon(tmp_path: Path) -> None:
-    clock = FakeClock()
-    listener = Listener(clock)
-    session = session_of(tmp_path / "a.mcap", [0, 3_600_000])
-    start_ns = clock.time_ns
-    count = play(Course([session]), listener.put, clock=clock, command=after(clock, {SECOND: Command.QUIT}))
-    assert count == 1
-    assert clock.time_ns - start_ns < 1.1 * SECOND
 
 
 def test_both_channels_are_played(tmp_path: Path) -> None:
