@@ -129,4 +129,10 @@ def test_the_unit_waits_as_long_as_the_daemon_may_take() -> None:
     assert told["Type"] == "notify"
     assert int(told["WatchdogSec"].removesuffix("s")) > 5
     assert int(told["TimeoutStopSec"].removesuffix("s")) > FINISH_S
-    assert told["RestartPreventExitStatus"] == str(ConfigError.exit_status)
+
+
+def test_a_configuration_that_is_refused_is_not_tried_again() -> None:
+    """Which holds for the daemon's own exit status, not for what is run before it."""
+    text = (UNITS / "vsensor@.service").read_text(encoding="utf-8")
+    assert f"RestartPreventExitStatus={ConfigError.exit_status}\n" in text
+    assert all(before.startswith("-") for before in re.findall(r"^ExecStartPre=(.*)$", text, re.MULTILINE))
