@@ -56,6 +56,30 @@ def test_whatever_was_added_the_bit_hangs_within_a_stand_of_its_string(deeper: f
     assert -SLACK_M - 1e-6 <= known.length - bit <= STAND + SLACK_M + 1e-6
 
 
+@given(
+    st.lists(
+        st.tuples(
+            st.sampled_from([SURFACE_BIT_DEPTH, SURFACE_HOLE_DEPTH]),
+            st.floats(LENGTH - 3 * STAND, LENGTH + 3 * STAND) | st.sampled_from([math.nan, 0.0]),
+        ),
+        max_size=12,
+    )
+)
+def test_a_depth_settles_only_where_bit_and_string_stay_as_they_are(told: list[tuple[str, float]]) -> None:
+    plain, settling = Depths(RIG), Depths(RIG)
+    for topic, value in told:
+        sample = Sample(value=value)
+        before = {**settling.save(), "known": dict(settling.save()["known"])}, settling.off_bottom
+        plain.take(topic, sample)
+        settled = settling.settles(topic, sample)
+        assert settled == ((plain.length, plain.off_bottom) == (before[0]["length"], before[1]))
+        if not settled:
+            assert (settling.save(), settling.off_bottom) == before
+            settling.take(topic, sample)
+        assert settling.save() == plain.save()
+        assert (settling.refused, settling.at_odds) == (plain.refused, plain.at_odds)
+
+
 def test_a_depth_that_no_connection_explains_is_at_odds_and_changes_nothing() -> None:
     known = depths((SURFACE_BIT_DEPTH, 2 * LENGTH))
     assert known.at_odds

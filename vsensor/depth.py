@@ -60,6 +60,17 @@ class Depths:
         if topic == SURFACE_BIT_DEPTH:
             self._count_stands(value)
 
+    def settles(self, topic: str, sample: Sample) -> bool:
+        """Take a sample after which bit and string are as before; one that would change them is not taken."""
+        before = self.off_bottom, self._length
+        known, refused, at_odds, longer = dict(self._known), self.refused, self.at_odds, self._longer
+        self.take(topic, sample)
+        if (self.off_bottom, self._length) == before:
+            return True
+        self._known, self.refused, self.at_odds, self._longer = known, refused, at_odds, longer
+        self._length = before[1]
+        return False
+
     def command(self, off_bottom: bool | None) -> None:
         """Hold the bit to be off bottom, or on it, whatever the depths say; None: as they say."""
         self._commanded = off_bottom

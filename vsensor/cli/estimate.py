@@ -57,8 +57,11 @@ def _rig(source: Path, config: Path | None) -> Rig:
     return loads(recorded, f"{source}: recorded configuration")
 
 
-def _feed(source: Path) -> "Feed":
-    """Samples by columns and, of a session, what the sensor was told between them."""
+def _feed(source: Path, sensor: "Offline | None" = None) -> "Feed":
+    """Samples by columns and, of a session, what else the sensor was told between them.
+
+    Depths that change nothing for a `sensor` are given to it at once.
+    """
     from vsensor.intake import OBEYED
     from vsensor.intake.arrivals import Arrivals
     from vsensor.recording.feed import feed
@@ -66,7 +69,8 @@ def _feed(source: Path) -> "Feed":
     from vsensor.tables import surface_pieces
 
     if source.suffix == ".mcap":
-        yield from feed(Session(source), obeyed=OBEYED)
+        settling = (sensor.intake.depths.settles,) if sensor else ()
+        yield from feed(Session(source), OBEYED, *settling)
         return
     rows = 0
     for table in surface_pieces(source):
@@ -109,7 +113,7 @@ def _to_table(rig: Rig, source: Path, output: Path, console: Console) -> int:
     sensor = Offline(rig)
     _begun(source, sensor, console)
     with TableWriter(output, tuple(ESTIMATE_FIELDS)) as writer:
-        for columns in sensor.estimates(_feed(source)):
+        for columns in sensor.estimates(_feed(source, sensor)):
             writer.write(columns)
         if writer.rows == 0:
             raise _no_tick(source)

@@ -1,6 +1,6 @@
 """A session's surface samples as the sensor takes them: by columns, in the order of arrival."""
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 
 import numpy as np
 
@@ -20,13 +20,25 @@ _FIELDS = ("time_ns", "value", "quality", "sequence")
 _CHANNELS = (SURFACE_TORQUE, SURFACE_SPEED)
 
 
-def feed(session: Session, obeyed: Collection[str]) -> Feed:
-    """Yield surface samples and, at their places between them, depths and the events of these names."""
+def _not_settled(_topic: str, _sample: Sample) -> bool:
+    return False
+
+
+def feed(
+    session: Session, obeyed: Collection[str], settles: Callable[[str, Sample], bool] = _not_settled
+) -> Feed:
+    """Yield surface samples and, at their places between them, depths and the events of these names.
+
+    A depth that `settles` takes itself is not yielded, and the samples around it stay together: most depths
+    change nothing, and to part the samples at each would cost more than all the rest.
+    """
     wanted = dict.fromkeys(_CHANNELS, _FIELDS)
     for piece in read_columns(session, wanted, whole=(*DEPTH_TOPICS, SENSOR_EVENT)):
         place, arrivals = _arrivals(piece)
         start = 0
         for at, topic, message in sorted(_between(piece, obeyed), key=lambda told: told[0]):
+            if isinstance(message, Sample) and settles(topic, message):
+                continue
             end = int(np.searchsorted(place, at))
             if end > start:
                 yield arrivals.part(start, end)
