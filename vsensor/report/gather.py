@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -94,62 +95,48 @@ class Story:
 def gather(session: Session) -> Story:
     """Read a session once. Raises InputError where it holds no estimates."""
     wanted = {BIT_ESTIMATE: _ESTIMATE, SENSOR_TICK: ("lateness_ns",), STRING_PROFILE: _PROFILE}
-    estimates: list[Columns] = []
-    ticks: list[Columns] = []
+    estimates: dict[str, list[npt.NDArray[Any]]] = {name: [] for name in _ESTIMATE}
+    late: list[Floats] = []
     statuses: list[Status] = []
     events: list[Event] = []
     along: Along | None = None
     for piece in read_columns(session, wanted, whole=(SENSOR_STATUS, SENSOR_EVENT)):
         if BIT_ESTIMATE in piece:
-            estimates.append(piece[BIT_ESTIMATE])
+            for name, parts in estimates.items():
+                parts.append(_column(piece[BIT_ESTIMATE], name))
         if SENSOR_TICK in piece:
-            ticks.append(piece[SENSOR_TICK])
+            lateness = piece[SENSOR_TICK]
+            late.append(lateness.values["lateness_ns"][lateness.known["lateness_ns"]] / 1e9)
         if STRING_PROFILE in piece:
             worst = _worst(piece[STRING_PROFILE])
             along = worst if along is None else along.take(worst)
-        for topic in (SENSOR_STATUS, SENSOR_EVENT):
-            for message in piece[topic].messages if topic in piece else ():
-                if isinstance(message, Status):
-                    statuses.append(message)
-                elif isinstance(message, Event):
-                    events.append(message)
-    if not estimates:
+        messages = [message for columns in piece.values() for message in columns.messages]
+        statuses += [message for message in messages if isinstance(message, Status)]
+        events += [message for message in messages if isinstance(message, Event)]
+    if not estimates["time_ns"]:
         raise InputError(
             f"{session.path}: holds no {BIT_ESTIMATE} to report on; they can be made of its samples by: "
             f"vsensor estimate {session.path} RIG.toml -o WITH_ESTIMATES.mcap"
         )
-    return _story(estimates, ticks, statuses, events, along)
-
-
-def _story(
-    estimates: list[Columns],
-    ticks: list[Columns],
-    statuses: list[Status],
-    events: list[Event],
-    along: Along | None,
-) -> Story:
-    time_ns = np.concatenate([part.values["time_ns"] for part in estimates])
-
-    def other_times(name: str) -> npt.NDArray[np.int64]:
-        known = np.concatenate([part.known[name] for part in estimates])
-        return np.where(known, np.concatenate([part.values[name] for part in estimates]), time_ns)
-
-    columns = {
-        name: np.concatenate([part.number(name) for part in estimates])
-        for name in _ESTIMATE
-        if not name.endswith("_ns")
-    }
-    late = [part.values["lateness_ns"][part.known["lateness_ns"]] / 1e9 for part in ticks]
+    # One column after the other, as each is there twice for a moment.
+    columns = {name: np.concatenate(estimates.pop(name)) for name in _ESTIMATE}
     return Story(
-        columns,
-        time_ns,
-        other_times("confirmed_time_ns"),
-        other_times("forecast_time_ns"),
-        np.concatenate(late) if late else np.empty(0),
-        statuses,
-        events,
-        along,
+        time_ns=columns.pop("time_ns"),
+        confirmed_ns=columns.pop("confirmed_time_ns"),
+        forecast_ns=columns.pop("forecast_time_ns"),
+        columns=columns,
+        lateness_s=np.concatenate(late) if late else np.empty(0),
+        statuses=statuses,
+        events=events,
+        along=along,
     )
+
+
+def _column(estimates: Columns, name: str) -> npt.NDArray[Any]:
+    """A field as doubles, or a time in ns: the tick's own where there is no other."""
+    if name.endswith("_ns"):
+        return np.where(estimates.known[name], estimates.values[name], estimates.values["time_ns"])
+    return estimates.number(name)
 
 
 def _worst(profiles: Columns) -> Along:
