@@ -75,28 +75,6 @@ class _Content(ReadDataStream):
         return data
 
 
-def _records(file: WholeReads) -> Iterator[McapRecord | None]:
-    """Yield a file's records up to its end; of those that a reading from the start has no use for, None.
-
-    Not by the library's own reader: it would look at each byte of the messages' indexes, and take them apart
-    into as many pairs of Python's numbers as there are messages.
-    """
-    read_magic(ReadDataStream(file))
-    opcode = 0
-    while opcode != Opcode.FOOTER:
-        opcode, length = _HEAD.unpack(file.read(_HEAD.size))
-        if not opcode:
-            raise ValueError("zeros stand where a record was expected")
-        content = file.read(length)
-        if opcode == Opcode.CHUNK:
-            yield _chunk(content)
-        elif opcode == Opcode.MESSAGE:
-            yield Message.read(_Content(content), length)
-        else:
-            yield _TELLING[opcode](_Content(content)) if opcode in _TELLING else None
-    read_magic(ReadDataStream(file))
-
-
 def _chunk(content: bytes) -> Chunk:
     """A chunk. Its data are a view: to copy them would cost as much as to read them."""
     start, end, size, crc, length = _CHUNK.unpack_from(content)
@@ -160,7 +138,7 @@ class Scan:
     def _walk(
         self, file: WholeReads, unpack: Callable[[Chunk], Iterable[Item]]
     ) -> Iterator[McapRecord | Item]:
-        records = _records(file)
+        records = self._records(file)
         while True:
             try:
                 record = next(records)
@@ -173,8 +151,35 @@ class Scan:
             except Exception as error:  # struct, zstd, lz4, UTF-8, CRC: all mean «not whole»
                 self.fault = str(error) or "it ends in the middle of a record"
                 return
-            self.whole_bytes = file.tell()
             yield from inner
+
+    def _records(self, file: WholeReads) -> Iterator[McapRecord | None]:
+        """Yield a file's records up to its end, None for those that a reading from the start has no use for.
+
+        Not by the library's own reader: it would look at each byte of the messages' indexes, and take them
+        apart into as many pairs of Python's numbers as there are messages.
+        """
+        read_magic(ReadDataStream(file))
+        self.whole_bytes = file.tell()
+        opcode = 0
+        while opcode != Opcode.FOOTER:
+            opcode, length = _HEAD.unpack(file.read(_HEAD.size))
+            if not opcode:
+                raise ValueError("zeros stand where a record was expected")
+            content = file.read(length)
+            if opcode != Opcode.MESSAGE_INDEX:
+                yield _record(opcode, content)
+            self.whole_bytes += _HEAD.size + length  # only now, as a chunk may be found not to be sound
+        read_magic(ReadDataStream(file))
+
+
+def _record(opcode: int, content: bytes) -> McapRecord | None:
+    if opcode == Opcode.CHUNK:
+        return _chunk(content)
+    if opcode == Opcode.MESSAGE:
+        message: Message = Message.read(_Content(content), len(content))
+        return message
+    return _TELLING[opcode](_Content(content)) if opcode in _TELLING else None
 
 
 def _inner(
