@@ -76,11 +76,11 @@ def tables(rates_hz: Sequence[float], seconds: float, say: Callable[[str], None]
 
     Raises VsensorError where a process fails.
     """
-    rigs = [_in_real_time(rig_at(rate)) for rate in rates_hz]
+    rigs = [rig_at(rate) for rate in rates_hz]
     cc = compiler()
     with tempfile.TemporaryDirectory(prefix="vsensor-bench-") as name:
         bare = build_bare_loop(cc, Path(name)) if cc else None
-        measured = [one for rig in rigs for one in _under_loads(rig, Path(name), bare, seconds, say)]
+        measured = [one for rig in rigs for one in under_loads(rig, Path(name), bare, seconds, say)]
     yield _lateness(measured)
     yield _latency(measured)
     yield _cost(measured)
@@ -90,10 +90,20 @@ def _in_real_time(rig: Rig) -> Rig:
     return rig.model_copy(update={"loop": rig.loop.model_copy(update={"realtime": "prefer"})})
 
 
-def _under_loads(
-    rig: Rig, base: Path, bare: Path | None, seconds: float, say: Callable[[str], None]
+def under_loads(
+    rig: Rig,
+    base: Path,
+    bare: Path | None,
+    seconds: float,
+    say: Callable[[str], None],
+    loads: Sequence[Load] = LOADS,
 ) -> Iterator[Measured]:
+    """Run one daemon, with real-time priority if granted, under each load in turn.
+
+    `bare` is the compiled loop to run beside it. Raises VsensorError where a process fails.
+    """
     folder = Path(tempfile.mkdtemp(dir=base))
+    rig = _in_real_time(rig)
     recording = rig.recording.model_copy(update={"enabled": False, "folder": folder})
     rig = demo.on_free_port(rig.model_copy(update={"recording": recording}))
     config = folder / "rig.toml"
@@ -105,7 +115,7 @@ def _under_loads(
         ask = running.enter_context(_probe(config))
         session = running.enter_context(open_session(rig.bus, "client"))
         time.sleep(WARM_S)
-        for load in LOADS:
+        for load in loads:
             say(f"{rig.loop.rate:g} Hz with {load.name} for {seconds:g} s")
             with _loaded(rig, config, session, load):
                 time.sleep(WARM_S)

@@ -29,6 +29,7 @@ class Benchmark(StrEnum):
     OFFLINE = "offline"
     LIVE = "live"
     LOADS = "loads"
+    LIMIT = "limit"
     VIEW = "view"
     START = "start"
 
@@ -100,6 +101,10 @@ def _run(
         from vsensor.bench import loads
 
         yield from loads.tables(rates, seconds, say)
+    elif name is Benchmark.LIMIT:
+        from vsensor.bench import limit
+
+        yield from limit.tables(seconds, say)
     elif name is Benchmark.VIEW:
         try:
             from vsensor.bench import view
