@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsensor.grid import NS
-from vsensor.service.pace import MonotonicClock, Pace, Slot
+from vsensor.service.pace import STIR_NS, MonotonicClock, Pace, Slot
 
 MS = 1_000_000
 rates = st.floats(1, 5000)
@@ -106,3 +106,25 @@ def test_a_deadline_that_has_passed_is_not_waited_for(monkeypatch: pytest.Monkey
     clock = MonotonicClock()
     clock.sleep_until(clock.now_ns() - NS)
     assert waited == []
+
+
+def test_a_long_sleep_is_broken_to_stir_and_a_short_one_is_not() -> None:
+    clock = FakeClock([0])
+    stirred: list[int] = []
+    for rate, times in ((100.0, 5), (2000.0, 0)):
+        stirred.clear()
+        begun = clock.time
+        for _ in islice(Pace(rate, clock, lambda: stirred.append(clock.time)).slots(), 5):
+            pass
+        deadlines = [begun + round((k + 1) * NS / rate) for k in range(times)]
+        assert stirred == [deadline - STIR_NS for deadline in deadlines]
+
+
+def test_stirring_that_takes_too_long_makes_its_own_slot_late_and_no_other() -> None:
+    clock = FakeClock([0])
+
+    def stir() -> None:
+        clock.time += STIR_NS + 300_000 if clock.time < clock.start + 15 * MS else 0
+
+    taken = list(islice(Pace(100.0, clock, stir).slots(), 4))
+    assert [slot.lateness_ns for slot in taken] == [300_000, 0, 0, 0]

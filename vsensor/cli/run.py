@@ -73,7 +73,8 @@ def run(
                 if exporter is not None:
                     exporter.tell(status)
 
-            daemon.run(Pace(rig.loop.rate, MonotonicClock()), each_second, stopped)
+            pace = Pace(rig.loop.rate, MonotonicClock(), daemon.stir)
+            daemon.run(pace, each_second, stopped)
             supervisor.stopping()
         _account(say, daemon.status)
 

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from vsensor.config import Rig
 from vsensor.estimator import kernel
+from vsensor.estimator.ahead import predict
 from vsensor.estimator.along import SPEED, along, stations
 from vsensor.estimator.carry import carry
 from vsensor.estimator.known import Known
@@ -55,11 +56,12 @@ class Estimator(Known):
             np.empty((1, kernel.COLUMNS)),
             np.empty(1, np.uint32),
         )
+        none, flags = np.empty(0), np.empty(0, np.uint32)
+        self._none = none, none, flags, np.empty((0, kernel.COLUMNS)), flags
         self._lay_out()
         self.reset()
         # Compiled, or loaded, here: never at the first tick.
-        none, flags = np.empty(0), np.empty(0, np.uint32)
-        self._advance(none, none, flags, np.empty((0, kernel.COLUMNS)), flags)
+        self.rehearse()
         self.profile()
 
     def _lay_out(self) -> None:
@@ -151,6 +153,11 @@ class Estimator(Known):
         inputs[0, 0], inputs[1, 0], flags[0] = torque, speed, reasons
         self._advance(inputs[0], inputs[1], flags, values, lasting)
         return values[0], int(lasting[0])
+
+    def rehearse(self) -> None:
+        """March ahead once more, to the same numbers: the next tick finds all that it needs in the caches."""
+        self._advance(*self._none)
+        predict(self._model, self._state, self._model.forecast)
 
     def profile(self) -> Floats:
         """Speed (rad/s) and torque (N·m) at each station at the time of the last confirmed answer.

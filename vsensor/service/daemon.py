@@ -9,7 +9,6 @@ from vsensor.bus import Outbox, Received, SurfaceInbox
 from vsensor.commands import obey
 from vsensor.config import Rig
 from vsensor.errors import VsensorError
-from vsensor.grid import NS
 from vsensor.messages import (
     BIT_ESTIMATE,
     BIT_SPEED,
@@ -33,6 +32,7 @@ from vsensor.service.health import Health
 from vsensor.service.keeper import Keeper
 from vsensor.service.pace import Pace, Slot
 from vsensor.service.profile import Profiler
+from vsensor.service.ration import Ration
 from vsensor.service.realtime import Achieved, achieve, settle
 from vsensor.service.recording import Recorder, Recording
 from vsensor.service.reload import Reload
@@ -42,8 +42,6 @@ from vsensor.service.watch import Watch
 
 REFUSING_SHARE = 0.5
 """Of a flood, half of what may be accepted in a turn is refused in it: the rest waits, and falls out."""
-LONGEST_TURN_S = 0.05
-"""A turn with more to make up for leaves the rest to the next: status, commands and signals do not wait."""
 SEAT_PATIENCE_S = 1.5
 """Links to other routers are made by then, and it is known whether another sensor speaks."""
 
@@ -84,7 +82,7 @@ class Daemon:
         self.health = Health(rig, engine, self._watch.sticks, realtime)
         self.status = self.health.status("starting", recorder)
         self._per_second = round(rig.loop.rate)
-        self._longest_ns = round(max(LONGEST_TURN_S, 0.5 / rig.loop.rate) * NS)
+        self._ration = Ration(rig.loop.rate)
         self.fault = ""
         """What made the last unreadable sample unreadable."""
         self._news: list[Event] = []
@@ -105,6 +103,7 @@ class Daemon:
         if self._keeper is not None and self._keeper.begun:
             self._tell(self._watch.note("learned", True, self._keeper.begun))
         second = 0
+        chores: Iterator[None] = iter(())
         for slot in pace.slots():
             begun = time.monotonic_ns()
             self.health.grid_ns = pace.start_ns
@@ -112,25 +111,32 @@ class Daemon:
             self._turn(slot)
             if slot.number // self._per_second > second:
                 second = slot.number // self._per_second
-                self._each_second()
-                told(self.status)
+                _finish(chores)
+                chores = self._each_second(told)
+            next(chores, None)
             self._hand_on()
             self.health.end(time.monotonic_ns() - begun)
             if stopped():
                 break
         # What had come when the word to stop did is still run, however long a turn that makes.
         self._take_in(slot, lambda: True, hold=False)
-        self._each_second()
+        _finish(chores)
+        _finish(self._each_second(lambda _status: None))
         self._hand_on()
         if self._keeper is not None and self._seat.taken:
             self._keeper.save()
 
+    def stir(self) -> None:
+        """Do ahead of a slot what can be done before, so that less is left to do when it comes."""
+        self._inbox.look()
+        self._engine.estimator.rehearse()
+
     def _turn(self, slot: Slot) -> None:
         self._count_owed(slot)
-        self._seat.answer(self.status.SerializeToString, self._obey)
-        until = time.monotonic_ns() + self._longest_ns
-        self._take_in(slot, lambda: time.monotonic_ns() < until)
+        self._ration.begin()
+        self._take_in(slot, self._ration.lasts)
         self.health.listen()
+        self._seat.answer(self.status.SerializeToString, self._obey)
 
     def _take_in(self, slot: Slot, more: Callable[[], bool], *, hold: bool = True) -> None:
         for received in self._inbox.drain(more, hold=hold):
@@ -162,8 +168,10 @@ class Daemon:
 
     def _publish_tick(self, tick: Tick, estimate: Estimate) -> None:
         self.health.ticks += 1
-        self._publish(SENSOR_TICK, tick, tick.time_ns)
-        self._publish(BIT_ESTIMATE, estimate, tick.time_ns)
+        # For the estimate others wait; in a session it stands behind its tick.
+        estimated, ticked = self._send(BIT_ESTIMATE, estimate), self._send(SENSOR_TICK, tick)
+        self._record(SENSOR_TICK, ticked, tick.time_ns)
+        self._record(BIT_ESTIMATE, estimated, tick.time_ns)
         if estimate.HasField("now_bit_speed_rad_s"):
             self._publish(BIT_SPEED, _as_sensor(estimate, "now_bit_speed", "rad_s"), tick.time_ns)
             self._publish(BIT_TORQUE, _as_sensor(estimate, "now_bit_torque", "nm"), tick.time_ns)
@@ -175,7 +183,8 @@ class Daemon:
                 self._tell(over)
         self.health.published += 1
 
-    def _each_second(self) -> None:
+    def _each_second(self, told: Callable[[Status], None]) -> Iterator[None]:
+        """What is due once a second, in parts: together they would take longer than a slot at 1 kHz."""
         for note in self._recording.each_second() if self._recording is not None else ():
             self._tell(self._watch.note(*note))
         if words := self._seat.look():
@@ -184,6 +193,9 @@ class Daemon:
         if self._keeper is not None and self._seat.taken:
             self._keeper.each_second()
         self._read_again()
+        yield
+        self.health.look_back()
+        yield
         self.health.bus_missed = self._inbox.missed
         self.health.inbox_waiting = self._inbox.most_waiting()
         level = self.health.second()
@@ -192,10 +204,14 @@ class Daemon:
             self._tell(event)
         for event in self._each_second_seen():
             self._tell(event)
+        yield
         self.status = self.health.status(self._state(), self._recorder, self._keeper)
+        yield
         self._publish(SENSOR_STATUS, self.status, self.status.time_ns)
+        yield
         if description := self._describer.second():
             self._publish(STRING_DESCRIPTION, description, description.time_ns)
+        told(self.status)
 
     def _read_again(self) -> None:
         """Take up what may change of a configuration that was read again."""
@@ -237,9 +253,15 @@ class Daemon:
         self._publish(SENSOR_EVENT, event, event.time_ns)
 
     def _publish(self, topic: str, message: Message, publish_time_ns: int) -> None:
+        self._record(topic, self._send(topic, message), publish_time_ns)
+
+    def _send(self, topic: str, message: Message) -> bytes:
         begun = time.monotonic_ns()
         data = self._outbox.put(topic, message)
         self.health.publishes(time.monotonic_ns() - begun)
+        return data
+
+    def _record(self, topic: str, data: bytes, publish_time_ns: int) -> None:
         if self._recorder is not None:
             self._recorder.offer(topic, data, time.time_ns(), publish_time_ns)
 
@@ -251,6 +273,11 @@ class Daemon:
     def _hand_on(self) -> None:
         if self._recorder is not None:
             self._recorder.send()
+
+
+def _finish(chores: Iterator[None]) -> None:
+    for _ in chores:
+        pass
 
 
 def _as_sensor(estimate: Estimate, field: str, unit: str) -> Sample:

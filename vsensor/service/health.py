@@ -1,10 +1,9 @@
 """What the daemon counts of itself, and the status that it makes of it once a second."""
 
+import math
 import time
 from collections.abc import Iterable, Mapping
 from typing import Protocol
-
-import numpy as np
 
 from vsensor import __version__
 from vsensor.config import Rig
@@ -64,6 +63,7 @@ class Health:
         self._publishing_ns = 0
         self._worked_ns = 0
         self._second_ns = self._started_ns
+        self.look_back()
         self.load = 0.0
         """Share of the last second that the loop worked."""
         self.shedding = Shedding()
@@ -120,10 +120,10 @@ class Health:
             return False
         return time.monotonic_ns() - min(self._heard_ns.values()) > SILENCE_NS
 
-    @property
-    def severity(self) -> float:
-        """Stick-slip severity over the configured window, NaN where the bit does not turn."""
-        return severity(self._engine.recent[BIT_SPEED])
+    def look_back(self) -> None:
+        """Work out the figures of the configured window."""
+        self.severity: float = severity(self._engine.recent[BIT_SPEED])
+        self._figures = figures(self._engine.window, 1 / self._rig.loop.rate)
 
     def status(self, state: str, recorder: Recorded | None, keeper: Keeps | None = None) -> Status:
         """The status of this moment; begins a new second."""
@@ -156,10 +156,10 @@ class Health:
             status.learned_saved_ns = keeper.saved_ns
         if keeper is not None and keeper.trouble:
             status.learned_trouble = keeper.trouble
-        if not np.isnan(worst := self.severity):
-            status.severity = worst
-        for name, value in figures(self._engine.window, 1 / self._rig.loop.rate)._asdict().items():
-            if not np.isnan(value):
+        if not math.isnan(self.severity):
+            status.severity = self.severity
+        for name, value in self._figures._asdict().items():
+            if not math.isnan(value):
                 setattr(status, name, value)
         if recorder is not None:
             if trouble := recorder.trouble():
@@ -210,7 +210,7 @@ class Health:
         status.bandwidth_hz = estimator.bandwidth
         for ahead, speed, torque in estimator.skill.tolist():
             skill = status.skill.add(ahead_s=ahead)
-            if not np.isnan(speed):
+            if not math.isnan(speed):
                 skill.speed_rms_rad_s, skill.torque_rms_nm = speed, torque
         status.sticks_foretold = self._sticks.foretold
         status.sticks_missed = self._sticks.missed

@@ -1,10 +1,13 @@
 """The loop's clock: absolute deadlines, so that lateness never adds up."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple, Protocol
 
 from vsensor.grid import NS
+
+STIR_NS = 400_000
+"""A long sleep is broken so long before its end: a processor that was just at work wakes sooner."""
 
 
 class Clock(Protocol):
@@ -44,9 +47,11 @@ class Slot(NamedTuple):
 class Pace:
     """Slots at a fixed rate on an absolute grid; of those due at once, the last alone gets a turn."""
 
-    def __init__(self, rate_hz: float, clock: Clock) -> None:
+    def __init__(self, rate_hz: float, clock: Clock, stir: Callable[[], object] | None = None) -> None:
+        """Where `stir` is given it is called shortly before each slot for which there is time."""
         self._rate = rate_hz
         self._clock = clock
+        self._stir = stir
         self.start_ns = 0
         """Slot 0, by the clock."""
 
@@ -57,6 +62,9 @@ class Pace:
         while True:
             due = number + 1
             deadline = start + round(due * NS / self._rate)
+            if self._stir is not None and self._clock.now_ns() < deadline - 2 * STIR_NS:
+                self._clock.sleep_until(deadline - STIR_NS)
+                self._stir()
             self._clock.sleep_until(deadline)
             now = self._clock.now_ns()
             number = max(due, int((now - start) * self._rate / NS))

@@ -1,0 +1,66 @@
+"""A bunch is worked off turn by turn, a backlog at length."""
+
+import pytest
+
+from vsensor.grid import NS
+from vsensor.service import ration
+from vsensor.service.ration import Ration
+
+
+class Watch:
+    """A clock that goes on when a sample is worked on, and no other time."""
+
+    def __init__(self) -> None:
+        self.ns = 0
+
+    def monotonic_ns(self) -> int:
+        return self.ns
+
+
+@pytest.fixture
+def watch(monkeypatch: pytest.MonkeyPatch) -> Watch:
+    watch = Watch()
+    monkeypatch.setattr(ration, "time", watch)
+    return watch
+
+
+def turn(given: Ration, watch: Watch, waiting: int, each_ns: int) -> int:
+    """Work for one turn on what waits; returns how many are left."""
+    given.begin()
+    while given.lasts() and waiting:
+        watch.ns += each_ns
+        waiting -= 1
+    return waiting
+
+
+def test_a_bunch_makes_no_turn_longer_than_its_slot(watch: Watch) -> None:
+    given, waiting, turns = Ration(1000.0), 10, 0
+    while waiting:
+        begun = watch.ns
+        waiting = turn(given, watch, waiting, 300_000)
+        turns += 1
+        assert watch.ns - begun <= NS // 1000
+    assert turns == 4  # two of them in the first
+
+
+def test_a_backlog_is_soon_given_all_the_time_there_is(watch: Watch) -> None:
+    given, waiting, longest = Ration(1000.0), 20_000, 0
+    for _ in range(60):
+        begun = watch.ns
+        waiting = turn(given, watch, waiting, 300_000)
+        longest = max(longest, watch.ns - begun)
+    assert longest == pytest.approx(ration.LONGEST_S * NS, rel=0.01)
+    assert waiting > 0
+
+
+def test_afterwards_it_is_short_again(watch: Watch) -> None:
+    given = Ration(1000.0)
+    for _ in range(60):
+        turn(given, watch, 1000, 300_000)
+    assert turn(given, watch, 1, 300_000) == 0
+    assert turn(given, watch, 10, 300_000) == 8
+
+
+def test_a_slow_loop_has_half_a_slot_all_the_same(watch: Watch) -> None:
+    given = Ration(2.0)
+    assert turn(given, watch, 1000, NS // 100) == 975
