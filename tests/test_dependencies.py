@@ -52,7 +52,10 @@ def test_each_is_pinned_and_permissive(name: str) -> None:
 
 
 BLOCKED = "import sys; sys.modules.update(dict.fromkeys(('rerun', 'PIL', 'matplotlib', 'scipy', 'plotly')))\n"
-WITH_EXTRAS = ("vsensor.view", "vsensor.paper", "vsensor.report", "vsensor.recording.picture")
+WITH_EXTRAS = (
+    *("vsensor.view", "vsensor.paper", "vsensor.report", "vsensor.recording.picture"),
+    *("vsensor.bench.view", "vsensor.bench.seen"),
+)
 
 
 def without_extras(program: str) -> subprocess.CompletedProcess[str]:

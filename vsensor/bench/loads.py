@@ -80,7 +80,7 @@ def tables(rates_hz: Sequence[float], seconds: float, say: Callable[[str], None]
     cc = compiler()
     with tempfile.TemporaryDirectory(prefix="vsensor-bench-") as name:
         bare = build_bare_loop(cc, Path(name)) if cc else None
-        measured = [one for rig in rigs for one in under_loads(rig, Path(name), bare, seconds, say)]
+        measured = [one for rig in rigs for one in under_loads(rig, Path(name), bare, seconds, say, LOADS)]
     yield _lateness(measured)
     yield _latency(measured)
     yield _cost(measured)
@@ -96,7 +96,7 @@ def under_loads(
     bare: Path | None,
     seconds: float,
     say: Callable[[str], None],
-    loads: Sequence[Load] = LOADS,
+    loads: Sequence[Load],
 ) -> Iterator[Measured]:
     """Run one daemon, with real-time priority if granted, under each load in turn.
 
