@@ -8,8 +8,7 @@ import pytest
 
 from tests.daemons import wait_until
 from tests.ends import Ends, ends, received, times_ns
-from vsensor.bus import Received, SurfaceInbox
-from vsensor.bus import line as line_module
+from vsensor.bus import Received, SurfaceInbox, queue
 from vsensor.grid import NS
 from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE
 
@@ -77,7 +76,7 @@ def test_it_waits_again_after_each_silence_of_both(rig: Ends) -> None:
         assert len(held(inbox, 0.1)) < 10
         rig.send(SURFACE_TORQUE, part)
         received(inbox, len(part) + 1)
-        time.sleep(line_module.PATIENCE_NS / NS)  # the silence itself
+        time.sleep(queue.PATIENCE_NS / NS)  # the silence itself
 
 
 def test_a_channel_alone_waits_for_a_moment_once_and_then_no_more(rig: Ends) -> None:
@@ -85,7 +84,7 @@ def test_a_channel_alone_waits_for_a_moment_once_and_then_no_more(rig: Ends) -> 
     begun = time.monotonic()
     rig.send(SURFACE_TORQUE, SECONDS[:1])
     received(inbox, 1)
-    assert time.monotonic() - begun >= line_module.PATIENCE_NS / NS
+    assert time.monotonic() - begun >= queue.PATIENCE_NS / NS
     for before, after in pairwise(SECONDS[:200]):
         rig.send(SURFACE_TORQUE, [after])
         assert [each.sample.time_ns for each in inbox.drain() if each.sample] == [after], before
@@ -122,7 +121,7 @@ def test_nothing_is_held_back_at_the_end(rig: Ends) -> None:
 def test_of_what_was_sent_before_it_came_it_takes_the_last_alone(
     rig: Ends, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(line_module, "HISTORY_S", 0.5)
+    monkeypatch.setattr(queue, "HISTORY_S", 0.5)
     rig.send(SURFACE_SPEED, SECONDS[:10])
     time.sleep(1.0)  # that they are old
     rig.send(SURFACE_SPEED, SECONDS[10:20])

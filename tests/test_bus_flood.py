@@ -29,6 +29,18 @@ def test_a_flood_on_one_key_pushes_out_no_sample_of_another(rig: Ends, flooded: 
     assert times_ns(list(inbox.drain(hold=False)), SURFACE_SPEED) == [0, 1, 2, 3, 4]
 
 
+def test_what_was_seen_ahead_of_a_drain_comes_once_and_in_its_place(rig: Ends) -> None:
+    inbox = rig.inbox()
+    for topic in CHANNELS:
+        rig.send(topic, range(3))
+    inbox.look()
+    inbox.look()
+    rig.send(SURFACE_SPEED, [3])
+    got = list(inbox.drain(hold=False))
+    assert times_ns(got, SURFACE_TORQUE) == [0, 1, 2]
+    assert times_ns(got, SURFACE_SPEED) == [0, 1, 2, 3]
+
+
 def test_one_call_ends_however_fast_the_inbox_is_filled_meanwhile(rig: Ends) -> None:
     inbox = rig.inbox((SURFACE_SPEED,), capacity=10)
     rig.send(SURFACE_SPEED, range(10))

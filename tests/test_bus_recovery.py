@@ -9,7 +9,7 @@ import zenoh
 from tests.daemons import free_bus, wait_until
 from tests.ends import CHANNELS
 from tests.link import Link, link
-from vsensor.bus import Outbox, SurfaceInbox, line, open_session, recovering
+from vsensor.bus import Outbox, SurfaceInbox, open_session, queue, recovering
 from vsensor.config import Bus
 from vsensor.messages import BIT_ESTIMATE, Estimate, Sample
 
@@ -75,7 +75,7 @@ def test_what_was_sent_while_the_link_was_cut_comes_in_its_order(
     daemon: zenoh.Session, wire: Link, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """However long the cut: what a start takes of before is no bound."""
-    monkeypatch.setattr(line, "HISTORY_S", 0.5)
+    monkeypatch.setattr(queue, "HISTORY_S", 0.5)
     heard = Heard(SurfaceInbox(daemon, PREFIX, CHANNELS))
     send_over_a_cut(wire, heard, cache=2000, pause_s=0.005)  # for two seconds
     assert heard.numbers == {topic: list(range(650)) for topic in CHANNELS}

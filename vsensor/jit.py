@@ -37,7 +37,7 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     Fast-math stays off: it lets the compiler assume that there is no NaN, and reorder sums, which
     would end both the checks on input and the exactness of a replay. A kernel that would allocate is
     refused by the compiler: without its run-time for memory no references are counted either, which took
-    half of a tick's time.
+    half of the observer's time.
     """
     kernel: Callable[P, R] = numba.njit(cache=True, _nrt=False)(function)  # type: ignore[call-overload]
     return kernel

@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterator
 
 import zenoh
 
-from vsensor.bus.line import CAPACITY
+from vsensor.bus.queue import CAPACITY
 from vsensor.messages import Message, message_type, surface
 
 

@@ -7,7 +7,7 @@ from operator import attrgetter
 
 import zenoh
 
-from vsensor.bus.line import AT_ONCE, CAPACITY, PATIENCE_NS, Line, Received
+from vsensor.bus.queue import AT_ONCE, CAPACITY, PATIENCE_NS, Received, SurfaceQueue
 from vsensor.grid import NS
 from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE
 
@@ -41,44 +41,46 @@ class SurfaceInbox:
         self._most_refused = most_refused
         self._max_lead_ns = round(max_lead_s * NS)
         self._capacity = capacity
-        self._lines = [Line(session, prefix, topic, max_rate=max_rate, capacity=capacity) for topic in topics]
-        abreast = [line for line in self._lines if line.topic in ABREAST]
+        self._queues = [
+            SurfaceQueue(session, prefix, topic, max_rate=max_rate, capacity=capacity) for topic in topics
+        ]
+        abreast = [queue for queue in self._queues if queue.topic in ABREAST]
         self._others = dict(zip(abreast, reversed(abreast), strict=True)) if len(abreast) > 1 else {}
-        self._unheard = set(self._lines)
+        self._unheard = set(self._queues)
         self._missed = 0
         self._waiting = 0
 
     def look(self) -> None:
         """See the first sample that waits in each channel, ahead of the next drain."""
         now_ns = time.monotonic_ns()
-        for line in self._lines:
-            if not line.waits:
-                line.look(now_ns)
+        for queue in self._queues:
+            if not queue.waits:
+                queue.look(now_ns)
 
     def drain(self, more: Callable[[], bool] = lambda: True, *, hold: bool = True) -> Iterator[Received]:
         """Yield what has come since the last call, and no longer than there is time for `more`.
 
         Never waits, and ends even if ever more comes. Without `hold` nothing is held back.
         """
-        lines, refused = self._lines, 0
+        queues, refused = self._queues, 0
         for number in range(1, self._capacity + 1):
             if not more():
                 return
             now_ns = time.monotonic_ns()
-            lines = [line for line in lines if line.waits or line.look(now_ns)]
-            if not lines or (line := self._next(lines, now_ns, hold)) is None:
+            queues = [queue for queue in queues if queue.waits or queue.look(now_ns)]
+            if not queues or (queue := self._next(queues, now_ns, hold)) is None:
                 return
             self._waiting = max(self._waiting, number)
-            if line.over_rate:
+            if queue.over_rate:
                 refused += 1
                 if refused >= self._most_refused:  # refusing takes time too
-                    lines = [other for other in lines if other is not line]
-            yield line.take()
+                    queues = [other for other in queues if other is not queue]
+            yield queue.take()
 
     @property
     def missed(self) -> int:
         """Samples that the bus knows to be lost: cut off for longer than the publisher's cache reaches."""
-        self._missed += sum(line.missed() for line in self._lines)
+        self._missed += sum(queue.missed() for queue in self._queues)
         return self._missed
 
     def most_waiting(self) -> int:
@@ -86,33 +88,33 @@ class SurfaceInbox:
         most, self._waiting = self._waiting, 0
         return most
 
-    def _next(self, waiting: list[Line], now_ns: int, hold: bool) -> Line | None:
+    def _next(self, waiting: list[SurfaceQueue], now_ns: int, hold: bool) -> SurfaceQueue | None:
         """The one of these that goes next; None where it is held back."""
-        line = min(waiting, key=_TIME) if len(waiting) > 1 else waiting[0]
-        if hold and self._is_ahead(line) and self._waits(line, now_ns):
+        queue = min(waiting, key=_TIME) if len(waiting) > 1 else waiting[0]
+        if hold and self._is_ahead(queue) and self._waits(queue, now_ns):
             return None
-        if line in self._unheard:
-            self._unheard.remove(line)
-            line.pass_over_history()
+        if queue in self._unheard:
+            self._unheard.remove(queue)
+            queue.pass_over_history()
             return self._next(waiting, now_ns, hold)
-        return line
+        return queue
 
-    def _is_ahead(self, line: Line) -> bool:
-        other = self._others.get(line)
-        if other is None or other.waits or line.time_ns == AT_ONCE:
+    def _is_ahead(self, queue: SurfaceQueue) -> bool:
+        other = self._others.get(queue)
+        if other is None or other.waits or queue.time_ns == AT_ONCE:
             return False
-        if other.newest_ns is None or line.time_ns - other.newest_ns > self._max_lead_ns:
+        if other.newest_ns is None or queue.time_ns - other.newest_ns > self._max_lead_ns:
             return True
         other.given_up = False
         return False
 
-    def _waits(self, line: Line, now_ns: int) -> bool:
+    def _waits(self, queue: SurfaceQueue, now_ns: int) -> bool:
         """Whether there is hope that the other comes too."""
-        other = self._others[line]
-        if line.rested:  # both were cut off: the other may come back as well
-            other.given_up = line.rested = False
+        other = self._others[queue]
+        if queue.rested:  # both were cut off: the other may come back as well
+            other.given_up = queue.rested = False
         if other.given_up:
             return False
-        line.held_ns = line.held_ns or now_ns
-        other.given_up = now_ns - line.held_ns >= PATIENCE_NS
+        queue.held_ns = queue.held_ns or now_ns
+        other.given_up = now_ns - queue.held_ns >= PATIENCE_NS
         return not other.given_up

@@ -43,7 +43,7 @@ class Received(NamedTuple):
     """It came too fast to be looked at."""
 
 
-class Line:
+class SurfaceQueue:
     """One channel's samples in their order, of which the first that waits is seen before it is taken."""
 
     def __init__(
