@@ -18,6 +18,8 @@ from vsensor.offline import Offline
 from vsensor.tables import SurfaceTable, read_surface, surface_samples
 
 Columns = Mapping[str, NDArray[np.float64]]
+Learned = Mapping[str, NDArray[np.generic]]
+"""What an estimator has learned, as it gives it."""
 
 
 def folder(variable: str) -> Path:
@@ -69,15 +71,17 @@ class Run(NamedTuple):
     told: Columns
     """The estimates table."""
     tuning: NDArray[np.float64]
-    """What it had corrected in the end: delay, top-drive inertia, wall friction, as shares."""
+    """What it had corrected in the end: shares of delay, inertia and friction, and the offset, N·m."""
 
 
 class _Told(Offline):
-    """A sensor that is told that the bit is off bottom until some time."""
+    """A sensor that knows what one learned before it, and is told until when the bit is off bottom."""
 
-    def __init__(self, rig: Rig, off_bottom_until_s: float) -> None:
+    def __init__(self, rig: Rig, off_bottom_until_s: float, learned: Learned | None) -> None:
         super().__init__(rig)
         self._until_s = off_bottom_until_s
+        if learned is not None:
+            self._estimator.begin_with(learned)
 
     def _inputs(self, feed: Feed) -> Iterator[Inputs]:
         for given in super()._inputs(feed):
@@ -85,10 +89,15 @@ class _Told(Offline):
 
 
 def run(
-    rig: Rig, surface: Path, off_bottom_until_s: float = 0.0, rest_s: float = 0.0, torque_scale: float = 1.0
+    rig: Rig,
+    surface: Path,
+    off_bottom_until_s: float = 0.0,
+    rest_s: float = 0.0,
+    torque_scale: float = 1.0,
+    learned: Learned | None = None,
 ) -> Run:
     """Run a surface table through the sensor, `rest_s` seconds of rest put before it."""
-    sensor = _Told(rig, off_bottom_until_s)
+    sensor = _Told(rig, off_bottom_until_s, learned)
     chunks = list(
         sensor.estimates(
             surface_samples(_after_rest(read_surface(surface), rest_s, rig.loop.rate, torque_scale))

@@ -5,7 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.cases import Columns, estimated, folder, midpoints, reference_rig, table
+from tests.accuracy.tare import off_bottom_first
+from tests.accuracy.wrong import wrongs
+from tests.cases import Columns, estimated, folder, midpoints, reference_rig, run, table
+from tests.clocks import clock_rate, set_right
 from vsensor.config import load
 from vsensor.estimator.sections import Floats
 from vsensor.service.engine import Engine
@@ -22,6 +25,7 @@ def case(request: pytest.FixtureRequest) -> tuple[str, Columns, Columns]:
 
 
 SPEED, TORQUE = ("speed", "rad_s"), ("torque", "nm")
+RPM = np.pi / 30
 
 
 def errors(told: Columns, truth: Columns, kind: str, quantity: tuple[str, str]) -> tuple[Floats, Floats]:
@@ -90,25 +94,61 @@ def test_the_papers_step_is_its_closed_form_away_from_the_fronts() -> None:
     np.testing.assert_allclose(told["confirmed_speed_rad_s"][smooth], exact, atol=0.005 * torque / damping)
 
 
-def test_a_real_well_is_followed() -> None:
-    """Well B, 1733 m, off bottom: the midpoint of each half second's least and greatest bit speed.
+@pytest.fixture(scope="module")
+def well() -> Path:
+    """The folder of the real well: Well B, 1733 m, off bottom."""
+    return folder("VSENSOR_FIELD_DATA")
+
+
+@pytest.fixture(scope="module")
+def heard(well: Path) -> list[tuple[Floats, Floats]]:
+    """Times and bit speeds that are confirmed of the real well.
 
     Where parts of the string stick to the wall a hair may decide which, so the record is heard five times,
-    its torque changed by up to a thousandth, and the middle one counts. Measured are 11.8 rpm and r 0.9853;
-    the aim of 11 rpm is not reached yet.
+    its torque changed by up to a thousandth, and the middle one counts.
     """
-    field = folder("VSENSOR_FIELD_DATA")
     rig = load(Path(__file__).parent.parent / "config" / "well-b.toml")
-    truth = table(field / "well_b_1733m_downhole.csv")
-    heard = []
+    runs = []
     for more in (0.0, 1e-4, -1e-4, 1e-3, -1e-3):
-        told = estimated(rig, field / "well_b_1733m_surface.csv", torque_scale=1 + more)
+        told = estimated(rig, well / "well_b_1733m_surface.csv", torque_scale=1 + more)
         known = np.isfinite(told["confirmed_time_s"])
-        when, speed = told["confirmed_time_s"][known], told["confirmed_speed_rad_s"][known]
-        heard.append(midpoints(when, speed, truth))
-    missed, r = np.median(heard, axis=0)
-    assert missed <= 12.5 * np.pi / 30
+        runs.append((told["confirmed_time_s"][known], told["confirmed_speed_rad_s"][known]))
+    return runs
+
+
+def test_a_real_well_is_followed(well: Path, heard: list[tuple[Floats, Floats]]) -> None:
+    """Measured are 11.8 rpm and r 0.9853 by the downhole clock as it stands."""
+    truth = table(well / "well_b_1733m_downhole.csv")
+    missed, r = np.median([midpoints(*run, truth) for run in heard], axis=0)
+    assert missed <= 12.5 * RPM
     assert r >= 0.985
+
+
+def test_a_real_well_is_followed_closely_by_one_clock(well: Path, heard: list[tuple[Floats, Floats]]) -> None:
+    """The surface's torque and the bit's speed swing together, yet the records give them two periods.
+
+    The downhole clock is set right by the ratio of these, which no model has a part in. Measured are
+    7.4 rpm and r 0.996.
+    """
+    truth, surface = (table(well / f"well_b_1733m_{name}.csv") for name in ("downhole", "surface"))
+    rate = clock_rate(surface, truth)
+    assert 1.005 < rate < 1.008
+    missed, r = np.median([midpoints(*run, set_right(truth, rate)) for run in heard], axis=0)
+    assert missed <= 8 * RPM
+    assert r >= 0.995
+
+
+@pytest.mark.parametrize("name", ["stick_slip", "smooth_drilling", "deviated_off_bottom"])
+def test_all_that_is_wrong_costs_little_after_a_tare(name: str) -> None:
+    """Speed and torque within three times what the right configuration is allowed."""
+    cases = folder("VSENSOR_REFERENCE_DATA")
+    right = reference_rig(cases / f"{name}.json")
+    truth = table(cases / f"{name}_downhole.csv")
+    span = np.ptp(truth["bit_speed_rad_s"][truth["time_s"] >= 10])
+    wrong = wrongs(right)["all, load law +50 %"]
+    told = run(wrong, cases / f"{name}_surface.csv", learned=off_bottom_first(wrong, right)).told
+    assert rms(errors(told, truth, "confirmed", SPEED)[0]) <= 3 * SHARES[name, "confirmed"] * span
+    assert rms(errors(told, truth, "confirmed", TORQUE)[0]) <= 3 * 300
 
 
 def foretold(name: str) -> tuple[Sticks, float]:

@@ -39,7 +39,7 @@ class Offline:
 
     @property
     def tuning(self) -> NDArray[np.float64]:
-        """Corrections of delay, top-drive inertia and wall friction that the record made, as shares; (3,)."""
+        """Corrections that the record made: see `Estimator.tuning`, shape (4,)."""
         return self._estimator.tuning
 
     def take_up(self, state: State) -> None:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.accuracy import lumps, pictures, reference, words
+from tests.accuracy import lumps, pictures, reference, tare, words
 from tests.accuracy.field import field
 from tests.cases import folder
 from vsensor.config import load
@@ -30,7 +30,7 @@ def page(images: Path) -> Iterator[str]:
         yield from reference.exact(case)
     yield pictures.shown(pictures.at_work(sticking.right, sticking.surface, sticking.truth), images)
     yield from reference.limit(smooth)
-    yield words.WRONG
+    yield words.WRONG.format(tare=tare.FOR_S, turned=tare.TURNED.speed[-1][1] * reference.RPM)
     for case in cases:
         yield from reference.wrong(case)
     yield words.SCRATCH

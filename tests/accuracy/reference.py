@@ -10,10 +10,12 @@ import numpy as np
 
 from tests.accuracy import limits, lumps, words
 from tests.accuracy.score import Answer, Score, answer, score, span, surface_speed
+from tests.accuracy.tare import off_bottom_first
 from tests.accuracy.wrong import rough_law, wrongs
-from tests.cases import Columns, Run, reference_rig, run, table
+from tests.cases import Columns, Learned, Run, reference_rig, run, table
 from vsensor.config import Rig
 from vsensor.estimator.estimator import Estimator
+from vsensor.estimator.tune import OFFSET
 from vsensor.units import factor
 
 FROM_S, LATE_S, LEARNED_S = 10.0, 40.0, 30.0
@@ -83,9 +85,9 @@ class Case:
         """The rock's own torque."""
         return limits.Rock(*json.loads((self.folder / f"{self.name}.json").read_text())["bit_noise"])
 
-    def run(self, rig: Rig) -> Run:
-        """What comes of any configuration."""
-        return run(rig, self.folder / f"{self.name}_surface.csv")
+    def run(self, rig: Rig, learned: Learned | None = None) -> Run:
+        """What comes of any configuration, and of what was learned before."""
+        return run(rig, self.folder / f"{self.name}_surface.csv", learned=learned)
 
     def of_lumps(self, filtered: lumps.Filtered, lag: int) -> Answer:
         """What a two-lump filter says `lag` samples late."""
@@ -194,13 +196,24 @@ def wrong(case: Case) -> Iterator[str]:
     yield f"\n### {case.title}, wrong configuration"
     yield words.WRONG_ROWS
     tuning = case.tuned_by_truth(case.lag)
-    for name, rig in wrongs(case.rig).items():
-        told, corrected = case.run_right if rig is case.rig else case.run(rig)
+    for name, rig, learned in _configured(case):
+        told, corrected = case.run_right if rig is case.rig else case.run(rig, learned)
         yardstick = case.of_lumps(lumps.watched(rig, case.surface, tuning), case.lag)
         answers = [yardstick, *(answer(told, kind) for kind in KINDS)]
         soon, late = ([case.score(of, start) for of in answers] for start in (FROM_S, LATE_S))
         cells = [f"{a} ({b})" for a, b in zip(_wrong_cells(soon), _wrong_cells(late), strict=True)]
-        yield f"| {name} | {' | '.join(cells)} | {' | '.join(f'{share:+.1%}' for share in corrected)} |"
+        cells += [f"{share:+.1%}" for share in corrected[:OFFSET]]
+        yield f"| {name} | {' | '.join(cells)} |"
+
+
+def _configured(case: Case) -> Iterator[tuple[str, Rig, Learned | None]]:
+    """Each wrong configuration by name; those with wrong friction once more after a tare."""
+    rigs = wrongs(case.rig)
+    for name, rig in rigs.items():
+        yield name, rig, None
+    for name, rig in rigs.items():
+        if rig.string[0].viscous_friction != case.rig.string[0].viscous_friction:
+            yield f"{name}, after a tare", rig, off_bottom_first(rig, case.rig)
 
 
 def _wrong_cells(of: list[Score]) -> list[str]:

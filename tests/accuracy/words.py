@@ -58,7 +58,10 @@ the same way, tuned by the truth as above. Surface speed cannot be configured wr
 The last three columns are what the sensor had corrected of itself by the end of the record, `[tuning]` as it
 is by default: it begins after a minute. Right would be −1.5% of the delay for G −3 %, −9.1% of the
 inertia for +10 %, +43% of the friction for −30 %, and nothing where nothing is wrong. Friction it corrects
-only off bottom, and only where it is told so, which it is not here."""
+only off bottom, and only where it is told so: on bottom, wall and bit take of the torque together, and
+nothing measured above parts them. So the last rows of each table begin with *a tare*, as each connection
+gives it: for {tare:.0f} s the true string was turned off bottom by the simulated rig, up to
+{turned:.0f} rpm, and the record goes on with what the wrongly configured sensor had learned of it."""
 
 WRONG_ROWS = """
 | what is wrong | two lumps share | confirmed share | confirmed torque, kN·m | now share | forecast share \
@@ -89,13 +92,23 @@ FIELD = """
 Well B of Aarsnes and Shor (2018), 1733 m, rotation started off bottom after a connection: least and
 greatest bit speed of each half second from a downhole sensor. Configuration:
 [config/well-b.toml](../config/well-b.toml), plain steel, nothing fitted but the wall friction, which is the
-surface torque of steady rotation. The bit's true torque is zero, so the mean torque, from 20 s on, is all
+surface torque of steady rotation.
+
+The record's two clocks do not agree: not in their zero, which the comparison finds (within half a second,
+by the least error), nor in their rate. String and bit swing as one, yet the period of stick-slip is
+{above:.3f} s in the surface torque and {below:.3f} s in the bit's speed: a least-squares fit of three
+harmonics to each from 16 s on, in which no model has a part. So the downhole clock, or the axis that it was
+read from, runs {slow:.2%} slow: one moment comes to stand a third of a second apart over the record. Errors
+are told twice, by that clock as it stands and *by one clock*, set right by the ratio of the two periods.
+
+The bit's true torque is zero, so the mean torque, from 20 s on, is all
 error. A *tare* takes off what the wall friction is wrong by: the mean confirmed torque of the record's first
 third ({third:.0f} s), while the bit is confirmed to turn faster than {turning:.0f} rpm. What is left is the
 mean over the other two thirds. Where the sensor is told that the bit is off bottom, it takes
 a tare of its own, where the string turns steadily, and corrects the wall friction by what the last column
 says. Here the bit swings all along, and it takes none.
 
-| told | answer | midpoint error, rpm | correlation | mean torque from 20 s, kN·m \
-| mean of the last two thirds, kN·m | the same after the tare, kN·m | friction corrected |
-| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: |"""
+| told | answer | midpoint error, rpm | correlation | the same by one clock, rpm | correlation \
+| mean torque from 20 s, kN·m | mean of the last two thirds, kN·m | the same after the tare, kN·m \
+| friction corrected |
+| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"""
