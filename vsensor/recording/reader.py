@@ -5,16 +5,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 from google.protobuf.message import DecodeError
-from mcap.reader import make_reader
 from mcap.records import Attachment, Channel, McapRecord, Metadata, Schema
 from mcap.records import Message as McapMessage
-from mcap.summary import Summary as Index
 from mcap.well_known import MessageEncoding
 
 from vsensor.errors import InputError
 from vsensor.messages import SENSOR_STATE, SENSOR_TICK, SURFACE_TOPICS, Message, State, message_type
-from vsensor.recording.scan import Scan, WholeReads
+from vsensor.recording.index import Index, read_index
+from vsensor.recording.scan import Scan
 from vsensor.recording.summary import Summary, summarise
+from vsensor.recording.whole import WholeReads
 from vsensor.recording.writer import CONFIGURATION, METADATA, RECORDER
 
 _MAGIC = b"\x89MCAP0\r\n"
@@ -148,15 +148,12 @@ def _open(path: Path) -> tuple[bool, Index | None, list[McapRecord]]:
     """Whether the file is complete, its index if it has one, and what it says of itself."""
     try:
         with WholeReads(path) as file:
-            reader = make_reader(file)
-            index = reader.get_summary()
-            if index is not None:
-                attached = [*reader.iter_attachments(), *reader.iter_metadata()]
-                return True, index, [*attached, *index.schemas.values(), *index.channels.values()]
-            complete = True
-    except Exception:  # whatever the library meets in a torn index: the file is not complete
-        complete = False
-    return complete, None, list(_before_messages(path))
+            index = read_index(file)
+    except Exception:  # whatever is met in a torn index: the file is not complete
+        return False, None, list(_before_messages(path))
+    if index is None:
+        return True, None, list(_before_messages(path))
+    return True, index, [*index.noted, *index.schemas.values(), *index.channels.values()]
 
 
 def _before_messages(path: Path) -> Iterator[McapRecord]:

@@ -4,7 +4,6 @@ The seeking reader of the library needs the index at a file's end, which a torn 
 holds a whole file in memory when asked for file order; so messages are always read in this way.
 """
 
-import io
 import struct
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
@@ -16,9 +15,10 @@ from mcap.exceptions import EndOfFile
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, McapRecord, Message, Metadata, Schema
 from mcap.stream_reader import breakup_chunk, read_magic
-from mcap.summary import Summary
 
 from vsensor.errors import InputError
+from vsensor.recording.index import Index
+from vsensor.recording.whole import HEAD, Content, WholeReads
 
 Item = TypeVar("Item")
 
@@ -26,9 +26,6 @@ PLAUSIBLE_BYTES = 64 << 20
 PLAUSIBLE_RATIO = 100
 """No chunk is larger than the one, or than so many times its own bytes in the file, whatever it claims."""
 
-
-_HEAD = struct.Struct("<BQ")
-"""Of a record: what it is, and how many bytes of content follow."""
 _CHUNK = struct.Struct("<QQQII")
 """Of a chunk: first and last time, size and checksum of what is packed, length of the compression's name."""
 _LENGTH = struct.Struct("<Q")
@@ -38,41 +35,6 @@ _TELLING: Mapping[int, Callable[[ReadDataStream], McapRecord]] = {
     Opcode.ATTACHMENT: Attachment.read,
     Opcode.METADATA: Metadata.read,
 }
-
-
-class WholeReads(io.BufferedReader):
-    """A file that gives all the bytes asked for, or none: the library does not look."""
-
-    def __init__(self, path: Path) -> None:
-        super().__init__(io.FileIO(path))
-        self._size = self._left = path.stat().st_size
-
-    def seek(self, offset: int, whence: int = io.SEEK_SET, /) -> int:
-        """Go to another place, and know what is left from there."""
-        at = super().seek(offset, whence)
-        self._left = self._size - at
-        return at
-
-    def read(self, size: int | None = -1, /) -> bytes:
-        """Read so much; EndOfFile where so much is not left."""
-        wanted = self._left if size is None or size < 0 else size
-        if wanted > self._left:  # asked of us by a damaged length: do not make room for it
-            raise EndOfFile
-        self._left -= wanted
-        return super().read(wanted)
-
-
-class _Content(ReadDataStream):
-    """A record's content, which gives all the bytes asked for, or none."""
-
-    def __init__(self, content: bytes) -> None:
-        super().__init__(io.BytesIO(content))
-
-    def read(self, length: int) -> bytes:
-        data = super().read(length)
-        if len(data) < length:
-            raise EndOfFile
-        return data
 
 
 def _chunk(content: bytes) -> Chunk:
@@ -113,7 +75,7 @@ class Scan:
             raise InputError(f"{self._path}: cannot be read: {error.strerror}") from error
 
     def messages(
-        self, since_ns: int = 0, index: Summary | None = None
+        self, since_ns: int = 0, index: Index | None = None
     ) -> Iterator[tuple[Schema | None, Channel, Message]]:
         """Yield the messages in the order in which they stand in the file.
 
@@ -163,13 +125,13 @@ class Scan:
         self.whole_bytes = file.tell()
         opcode = 0
         while opcode != Opcode.FOOTER:
-            opcode, length = _HEAD.unpack(file.read(_HEAD.size))
+            opcode, length = HEAD.unpack(file.read(HEAD.size))
             if not opcode:
                 raise ValueError("zeros stand where a record was expected")
             content = file.read(length)
             if opcode != Opcode.MESSAGE_INDEX:
                 yield _record(opcode, content)
-            self.whole_bytes += _HEAD.size + length  # only now, as a chunk may be found not to be sound
+            self.whole_bytes += HEAD.size + length  # only now, as a chunk may be found not to be sound
         read_magic(ReadDataStream(file))
 
 
@@ -177,9 +139,9 @@ def _record(opcode: int, content: bytes) -> McapRecord | None:
     if opcode == Opcode.CHUNK:
         return _chunk(content)
     if opcode == Opcode.MESSAGE:
-        message: Message = Message.read(_Content(content), len(content))
+        message: Message = Message.read(Content(content), len(content))
         return message
-    return _TELLING[opcode](_Content(content)) if opcode in _TELLING else None
+    return _TELLING[opcode](Content(content)) if opcode in _TELLING else None
 
 
 def _inner(

@@ -7,10 +7,11 @@ from typing import BinaryIO
 
 from mcap.records import MessageIndex
 from mcap.stream_reader import StreamReader
-from mcap.summary import Summary as Index
 
 from vsensor.errors import InputError
-from vsensor.recording.scan import Scan, WholeReads
+from vsensor.recording.index import Index
+from vsensor.recording.scan import Scan
+from vsensor.recording.whole import WholeReads
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,12 +94,8 @@ def _from_index(path: Path, index: Index | None) -> list[TopicSummary]:
     with WholeReads(path) as file:
         for channel in index.channels.values():
             if count := index.statistics.channel_message_counts.get(channel.id, 0):
-                places = [
-                    chunk.message_index_offsets[channel.id]
-                    for chunk in index.chunk_indexes
-                    if channel.id in chunk.message_index_offsets
-                ]
-                first, last = _times(file, places[0])[0], _times(file, places[-1])[-1]
+                first = _times(file, index.first[channel.id])[0]
+                last = _times(file, index.last[channel.id])[-1]
                 found.append(TopicSummary(channel.topic, count, first, last))
     return found
 
