@@ -10,11 +10,13 @@ import pytest
 from pyarrow import feather
 from typer.testing import CliRunner, Result
 
-from tests.rigs import SHORT, simulated
+from tests.rigs import SHORT, samples, simulated
 from vsensor.cli.main import app
 from vsensor.config import effective_toml
-from vsensor.messages import SURFACE_TORQUE, Sample
+from vsensor.intake import FORECAST_SHED
+from vsensor.messages import SENSOR_EVENT, SURFACE_TORQUE, Event, Sample
 from vsensor.recording.reader import Session
+from vsensor.recording.writer import SessionWriter
 
 HEADER = "Date;Time;STOR;RPM\n"
 ROWS = ("24.11.2026;08:15:30;10;100", "24.11.2026;08:15:31;12;110", "24.11.2026;08:15:32;14;120")
@@ -87,3 +89,28 @@ def test_the_same_estimates_come_of_every_kind_of_table(tmp_path: Path) -> None:
         assert np.array_equal(told.to_numpy(), speeds, equal_nan=True)
         assert np.isfinite(speeds).any()
     assert all(each == found[0] for each in found)
+
+
+def test_without_the_forecast_all_else_stays_the_same(tmp_path: Path) -> None:
+    """From a table and from a session whose sensor had shed its forecast for a while; into either."""
+    feed = samples(simulated(6))
+    shed = [(SENSOR_EVENT, Event(name=FORECAST_SHED, begins=begins)) for begins in (True, False)]
+    with SessionWriter(
+        tmp_path / "in.mcap", configuration=effective_toml(SHORT), metadata={"rig": "r"}, compression="zstd"
+    ) as writer:
+        for topic, message in [*feed[:800], shed[0], *feed[800:900], shed[1], *feed[900:]]:
+            writer.write(topic, message.SerializeToString(), 0, 0)
+    for name, option in (("whole", "--forecast"), ("less", "--no-forecast")):
+        for kind in ("parquet", "mcap"):
+            done = vsensor("estimate", tmp_path / "in.mcap", option, "-o", tmp_path / f"{name}.{kind}")
+            assert done.exit_code == 0, done.output
+    whole, less = (parquet.read_table(tmp_path / f"{name}.parquet") for name in ("whole", "less"))
+    for name in whole.column_names:
+        if name.startswith("forecast"):
+            assert whole[name].null_count < len(whole)
+            assert less[name].null_count == len(less)
+        else:
+            assert less[name].equals(whole[name]), name
+    assert vsensor("verify", tmp_path / "less.mcap").output.count("exact") == 1
+    assert vsensor("export", tmp_path / "less.mcap", "-o", tmp_path / "again.parquet").exit_code == 0
+    assert parquet.read_table(tmp_path / "again.parquet").equals(less)

@@ -14,6 +14,7 @@ from vsensor.bench.table import Table
 from vsensor.config import Rig, load
 from vsensor.demo import example
 from vsensor.estimator.estimator import Estimator
+from vsensor.estimator.kernel import NO_FORECAST
 from vsensor.intake import Intake
 from vsensor.intake.arrivals import Arrivals, laid
 from vsensor.messages import Sample
@@ -89,6 +90,7 @@ def _spent(stages: Stages) -> dict[str, float]:
         "rows to columns of samples": rows,
         "intake by columns": intake,
         "estimator alone": estimator,
+        "the same, no forecast": stages.whole("no forecast"),
         "the rest: table, verdicts": max(0.0, offline - intake - estimator),
         "all but the first": rows + offline,
         "writing CSV": stages.whole("csv"),
@@ -109,14 +111,17 @@ def surface_table(rig: Rig, rows: int) -> SurfaceTable:
 
 def _run(rig: Rig, surface: SurfaceTable, stages: Stages) -> tuple[int, int, Columns]:
     """Chunk by chunk: the samples, each stage alone, then all of `Offline` on the same samples."""
-    intake, slow, estimator, offline = Intake(rig), Intake(rig), Estimator(rig), Offline(rig)
+    intake, slow, offline = Intake(rig), Intake(rig), Offline(rig)
+    estimator, short = Estimator(rig), Estimator(rig)
     done: list[Columns] = []
     for start in range(0, len(surface), CHUNK):
         samples = stages.timed("rows", _arrivals, surface, start)
         ticks = stages.timed("intake", list, laid(intake, samples))
         stages.timed("one by one", _one_by_one, slow, list(samples.samples()))
         for given in ticks:
-            stages.timed("estimator", estimator.run, given.motor_torque, given.motor_speed)
+            inputs = given.motor_torque, given.motor_speed
+            stages.timed("estimator", estimator.run, *inputs)
+            stages.timed("no forecast", short.run, *inputs, np.full(len(given.number), NO_FORECAST))
         done += stages.timed("offline", list, offline.estimates([samples]))
     columns = {name: np.concatenate([chunk[name] for chunk in done]) for name in done[0]}
     accepted = sum(channel.counts.accepted for channel in offline.intake.channels.values())

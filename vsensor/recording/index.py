@@ -50,7 +50,7 @@ class Index:
 def read_index(file: WholeReads) -> Index | None:
     """Read a file's index; None where it says that it has none. Any exception means: it is not complete."""
     file.seek(-_END, io.SEEK_END)
-    opcode, content = _next(file)
+    opcode, content = file.record()
     if opcode != Opcode.FOOTER:
         raise ValueError("it does not end in a footer")
     footer = Footer.read(Content(content))
@@ -80,16 +80,11 @@ def read_index(file: WholeReads) -> Index | None:
     return index
 
 
-def _next(file: WholeReads) -> tuple[int, bytes]:
-    opcode, length = HEAD.unpack(file.read(HEAD.size))
-    return opcode, file.read(length)
-
-
 def _until_footer(file: WholeReads) -> Iterator[tuple[int, bytes]]:
-    opcode, content = _next(file)
+    opcode, content = file.record()
     while opcode != Opcode.FOOTER:
         yield opcode, content
-        opcode, content = _next(file)
+        opcode, content = file.record()
 
 
 def _note_places(index: Index, content: bytes) -> None:
@@ -101,7 +96,7 @@ def _note_places(index: Index, content: bytes) -> None:
 
 def _at(file: WholeReads, place: int, expected: int) -> ReadDataStream:
     file.seek(place)
-    opcode, content = _next(file)
+    opcode, content = file.record()
     if opcode != expected:
         raise ValueError(f"another record stands at byte {place} than its index says")
     return Content(content)

@@ -125,13 +125,12 @@ class Scan:
         self.whole_bytes = file.tell()
         opcode = 0
         while opcode != Opcode.FOOTER:
-            opcode, length = HEAD.unpack(file.read(HEAD.size))
+            opcode, content = file.record()
             if not opcode:
                 raise ValueError("zeros stand where a record was expected")
-            content = file.read(length)
             if opcode != Opcode.MESSAGE_INDEX:
                 yield _record(opcode, content)
-            self.whole_bytes += HEAD.size + length  # only now, as a chunk may be found not to be sound
+            self.whole_bytes += HEAD.size + len(content)  # only now, as a chunk may be found not to be sound
         read_magic(ReadDataStream(file))
 
 

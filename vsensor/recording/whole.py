@@ -32,6 +32,22 @@ class WholeReads(io.BufferedReader):
         self._left -= wanted
         return super().read(wanted)
 
+    def record(self) -> tuple[int, bytes]:
+        """Read a record: what it is, and its content; EndOfFile where it is not whole.
+
+        In one call, as a session has ten small records for each second.
+        """
+        read = super().read
+        head = read(HEAD.size)
+        if len(head) < HEAD.size:
+            raise EndOfFile
+        opcode, length = HEAD.unpack(head)
+        self._left -= HEAD.size
+        if length > self._left:
+            raise EndOfFile
+        self._left -= length
+        return opcode, read(length)
+
 
 class Content(ReadDataStream):
     """A record's content, which gives all the bytes asked for, or none."""
