@@ -1,9 +1,15 @@
 """Processes of the view: ports for them, waiting for them, and whether they have ended."""
 
+import os
+import signal
 import socket
+import subprocess
+import sys
+import threading
 import time
 import urllib.request
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 PATIENCE_S = 60.0
@@ -56,3 +62,46 @@ def reachable(url: str) -> bool:
     except OSError:
         return False
     return True
+
+
+NOWHERE = {"DISPLAY": "", "WAYLAND_DISPLAY": ""}
+"""The environment of a machine without a screen."""
+
+
+@contextmanager
+def at_work(
+    *command: str, cwd: Path, environment: Mapping[str, str] = NOWHERE
+) -> Iterator[Callable[[str], str]]:
+    """A command of ours; yields what waits until it has said some words, and tells all that it has said.
+
+    At the end it must end when told to, and all its processes with it.
+    """
+    process = subprocess.Popen(
+        [sys.executable, "-m", "vsensor.cli.main", *command],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        cwd=cwd,
+        env=os.environ | environment,
+    )
+    said: list[str] = []
+    assert process.stdout is not None
+    listener = threading.Thread(target=said.extend, args=(process.stdout,))
+    listener.start()
+
+    def await_words(words: str) -> str:
+        until(lambda: words in "".join(said) or process.poll() is not None)
+        assert words in "".join(said), "".join(said)
+        return "".join(said)
+
+    try:
+        yield await_words
+        children = offspring(process.pid)
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(30) == 0, "".join(said)
+        assert all(gone(child) for child in children)
+    finally:
+        process.kill()
+        process.wait()
+        listener.join()
+        process.stdout.close()
