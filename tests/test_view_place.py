@@ -19,7 +19,8 @@ def taken() -> Iterator[int]:
 
 def chosen(said: list[str], **asked: object) -> Place:
     wishes: dict[str, object] = {"web": False, "save": None, "page_port": None, "data_port": None} | asked
-    return choose(say=said.append, **wishes)  # type: ignore[arg-type]
+    with choose(say=said.append, **wishes) as place:  # type: ignore[arg-type]
+        return place
 
 
 @pytest.mark.parametrize("display", ["DISPLAY", "WAYLAND_DISPLAY"])
@@ -59,6 +60,16 @@ def test_where_the_usual_port_is_taken_another_is(monkeypatch: pytest.MonkeyPatc
     place = chosen([], web=True)
     assert place.data_port != taken
     assert place.source == f"rerun+http://127.0.0.1:{place.data_port}/proxy"
+
+
+def test_two_views_that_start_at_once_take_different_ports() -> None:
+    """Neither is served at yet."""
+    with choose(web=True, save=None, page_port=None, data_port=None, say=print) as one:
+        other = chosen([], web=True)
+        assert len({one.data_port, one.page_port, other.data_port, other.page_port}) == 4
+        with pytest.raises(ViewError, match=f"--port {one.page_port}"):
+            chosen([], web=True, page_port=one.page_port)
+    assert chosen([], web=True, page_port=one.page_port).page_port == one.page_port
 
 
 def test_the_page_is_a_whole_address_on_this_machine_alone() -> None:

@@ -173,10 +173,8 @@ def test_a_view_that_is_killed_takes_its_viewer_with_it(endpoint: str) -> None:
 def test_several_may_look_on_and_come_and_go(endpoint: str) -> None:
     with ExitStack() as looking:
         one = looking.enter_context(view("--connect", endpoint, "--web"))
-        # Only then the other: a port is free until it is served at.
-        pages = re.findall(r"open (\S+)", one.await_words("listening to rigs/t"))
-        until(lambda: reachable(pages[0]))
         other = looking.enter_context(view("--connect", endpoint, "--web"))
+        pages = re.findall(r"open (\S+)", one.await_words("listening to rigs/t"))
         pages += re.findall(r"open (\S+)", other.await_words("listening to rigs/t"))
         assert len({*pages}) == 2
         for pid in (one.process.pid, one.viewer()):

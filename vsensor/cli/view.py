@@ -68,10 +68,10 @@ def view(
     how, drive = known.view if known else View(), known.top_drive if known else TopDrive()
     units = Units(speed_unit or how.speed_unit, torque_unit or how.torque_unit)
     bus, prefix = _source(known, rig, connect)
-    place = places.choose(web=web, save=save, page_port=port, data_port=data_port, bind=bind, say=say)
     os.nice(BEHIND)
     with (
         until_signalled() as stopped,
+        places.choose(web=web, save=save, page_port=port, data_port=data_port, bind=bind, say=say) as place,
         Screen(
             session.name if session else prefix or "vsensor",
             partial(blueprint, how.history, units, tab=tab),

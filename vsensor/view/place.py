@@ -4,7 +4,8 @@ import ipaddress
 import os
 import socket
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -77,6 +78,7 @@ class Place:
         return self.save.with_stem(f"{self.save.stem}-{count}")
 
 
+@contextmanager
 def choose(
     *,
     web: bool,
@@ -85,17 +87,23 @@ def choose(
     data_port: int | None,
     bind: str = LOOPBACK,
     say: Callable[[str], None],
-) -> Place:
-    """The place asked for; a page instead of a window where there is no display. Raises ViewError."""
+) -> Iterator[Place]:
+    """The place asked for; a page instead of a window where there is no display. Raises ViewError.
+
+    Until the end of the `with` no other view takes its ports: they are served at only later, by Rerun.
+    """
     if save and not web:
-        return Place("file", save=save)
+        yield Place("file", save=save)
+        return
     _check(bind)
-    data = _port("--data-port", data_port, DATA_PORT, bind)
-    if not web and has_display():
-        return Place("window", data, bind=bind)
-    if not web:
-        say("there is no display for a window here: the view is served for a browser instead")
-    return Place("page", data, _port("--port", page_port, PAGE_PORT, bind), save, bind)
+    with ExitStack() as held:
+        data = _port("--data-port", data_port, DATA_PORT, bind, held)
+        if not web and has_display():
+            yield Place("window", data, bind=bind)
+            return
+        if not web:
+            say("there is no display for a window here: the view is served for a browser instead")
+        yield Place("page", data, _port("--port", page_port, PAGE_PORT, bind, held), save, bind)
 
 
 def has_display() -> bool:
@@ -114,23 +122,35 @@ def _check(bind: str) -> None:
         ) from error
 
 
-def _port(option: str, asked: int | None, usual: int, bind: str) -> int:
+def _port(option: str, asked: int | None, usual: int, bind: str, held: ExitStack) -> int:
     """The port asked for, which must be free; else the usual one, or where that is taken any other."""
-    if asked is None:
-        return usual if _is_free(usual, bind) else _any_free(bind)
-    if not _is_free(asked, bind):
-        raise ViewError(f"{option} {asked}: is taken by another program: name another, or leave it out")
-    return asked
+    port = asked or usual
+    while not (reserved := _reserve(port, bind)):
+        if asked:
+            raise ViewError(f"{option} {asked}: is taken by another program: name another, or leave it out")
+        port = _any_free(bind)
+    held.enter_context(reserved)
+    return port
 
 
-def _is_free(port: int, bind: str) -> bool:
+def _reserve(port: int, bind: str) -> socket.socket | None:
+    """What keeps a free port from other views: UDP's of the same number, which Rerun leaves alone.
+
+    None where the port is taken.
+    """
     with _probe(bind) as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             probe.bind((bind, port))
         except OSError:
-            return False
-        return True
+            return None
+    held = _probe(bind, socket.SOCK_DGRAM)
+    try:
+        held.bind((bind, port))
+    except OSError:
+        held.close()
+        return None
+    return held
 
 
 def _any_free(bind: str) -> int:
@@ -139,5 +159,6 @@ def _any_free(bind: str) -> int:
         return int(probe.getsockname()[1])
 
 
-def _probe(bind: str) -> socket.socket:
-    return socket.socket(socket.AF_INET6 if ipaddress.ip_address(bind).version == 6 else socket.AF_INET)
+def _probe(bind: str, kind: socket.SocketKind = socket.SOCK_STREAM) -> socket.socket:
+    family = socket.AF_INET6 if ipaddress.ip_address(bind).version == 6 else socket.AF_INET
+    return socket.socket(family, kind)
