@@ -10,6 +10,7 @@ from vsensor.view.part import Every
 from vsensor.view.place import Place
 from vsensor.view.screen import Screen
 from vsensor.view.stream import Stream
+from vsensor.view.stuck import Stuck
 from vsensor.view.viewer import Viewer
 
 PERIOD_S = 0.1
@@ -85,10 +86,13 @@ def run(
 
     A viewer that dies otherwise is spoken of once, and is not our end: the data are still served.
     """
+    stuck = Stuck(place.data_port)
     with nullcontext() if place.kind == "file" else Viewer(place) as viewer:
         watched = viewer
         while not stopped():
             turn()
+            if stuck.let_go(time.monotonic()):
+                say("a viewer that took nothing any more was let go; it can be opened again")
             status = watched.ended() if watched else None
             if status == 0:
                 say("the window was closed")

@@ -25,8 +25,9 @@ _SETTLED_S = 0.1
 class Screen:
     """A recording that is served, written to a file, or both.
 
-    We serve and the viewers draw from us, not the other way round: a frozen viewer does not hold us up
-    (the server drops it after some 20 s, measured), and one that died is opened again on all that was.
+    We serve and the viewers draw from us, not the other way round: a frozen viewer does not hold us up for
+    long (20 s: a window is dropped by Rerun, a page by `stuck`), and one that died is opened again on all
+    that was.
     """
 
     def __init__(
