@@ -3,6 +3,7 @@
 import json
 import math
 import re
+import tracemalloc
 from itertools import pairwise
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from vsensor.recording.reader import Session
 from vsensor.recording.writer import SessionWriter
 from vsensor.report.figures import counted, rolled, skill, sticking, worst_window
 from vsensor.report.gather import Story, gather
+from vsensor.report.grown import Grown
 from vsensor.report.report import report
 from vsensor.report.thin import thinned
 
@@ -210,3 +212,27 @@ def test_the_command_writes_the_page(tmp_path: Path) -> None:
     wrong = CliRunner().invoke(app, ["report", str(GOLDEN), "-o", str(tmp_path / "a.pdf")])
     assert wrong.exit_code == 2
     assert "must end in .html" in wrong.output
+
+
+@given(st.lists(st.lists(st.floats(), max_size=50), max_size=30))
+def test_a_column_grown_piece_by_piece_is_all_of_them(pieces: list[list[float]]) -> None:
+    column = Grown(np.float64)
+    for piece in pieces:
+        column.add(np.array(piece))
+    together = np.array([value for piece in pieces for value in piece])
+    assert len(column) == len(together)
+    assert column.whole().tobytes() == together.tobytes()
+
+
+def test_a_column_takes_little_more_memory_than_its_numbers() -> None:
+    """Nor does the growing: an eighth more than there is, and one piece."""
+    piece = np.zeros(10_000)
+    tracemalloc.start()
+    column = Grown(np.float64)
+    for _ in range(200):
+        column.add(piece)
+    size = column.whole().nbytes
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert size == 200 * piece.nbytes
+    assert most < 1.2 * size

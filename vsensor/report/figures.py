@@ -19,6 +19,7 @@ MOVING = 0.1
 """A mean speed below this (rad/s, 1 rpm) is no rotation."""
 WORST_S = 60
 """So many seconds of a session are shown closely."""
+_AT_ONCE = 100_000
 
 
 class Severity(NamedTuple):
@@ -131,17 +132,21 @@ def _missed(story: Story, kind: str, at_ns: npt.NDArray[np.int64]) -> tuple[floa
     """Rms of a prediction less what is confirmed for the time for which it is."""
     order = np.argsort(story.confirmed_ns, kind="stable")
     origin = story.confirmed_ns[order[0]]
-    when = (story.confirmed_ns[order] - origin) / 1e9
     missed = []
     for quantity in ("bit_speed_rad_s", "bit_torque_nm"):
-        truth = story[f"confirmed_{quantity}"][order]
-        foretold = story[f"{kind}_{quantity}"]
-        known = np.isfinite(truth)
-        asked = (at_ns - origin) / 1e9
-        if not known.any():
+        truth = story[f"confirmed_{quantity}"]
+        known = order[np.isfinite(truth[order])]
+        if not len(known):
             return np.nan, np.nan
-        # Beyond what is confirmed there is nothing to hold it against.
-        within = np.isfinite(foretold) & (asked >= when[known][0]) & (asked <= when[known][-1])
-        error = foretold[within] - np.interp(asked[within], when[known], truth[known])
-        missed.append(float(np.sqrt(np.mean(error**2))) if len(error) else np.nan)
+        when, truth = (story.confirmed_ns[known] - origin) / 1e9, truth[known]
+        squares, count = 0.0, 0
+        # Some at a time: of a long session each array costs as much as all of its answers of one kind.
+        for start in range(0, len(at_ns), _AT_ONCE):
+            asked = (at_ns[start : start + _AT_ONCE] - origin) / 1e9
+            foretold = story[f"{kind}_{quantity}"][start : start + _AT_ONCE]
+            # Beyond what is confirmed there is nothing to hold it against.
+            within = np.isfinite(foretold) & (asked >= when[0]) & (asked <= when[-1])
+            error = foretold[within] - np.interp(asked[within], when, truth)
+            squares, count = squares + float(np.sum(error**2)), count + len(error)
+        missed.append(float(np.sqrt(squares / count)) if count else np.nan)
     return missed[0], missed[1]

@@ -19,6 +19,7 @@ from vsensor.messages import (
 )
 from vsensor.recording.columns import Columns, read_columns
 from vsensor.recording.reader import Session
+from vsensor.report.grown import Grown
 
 Floats = npt.NDArray[np.float64]
 
@@ -95,37 +96,36 @@ class Story:
 def gather(session: Session) -> Story:
     """Read a session once. Raises InputError where it holds no estimates."""
     wanted = {BIT_ESTIMATE: _ESTIMATE, SENSOR_TICK: ("lateness_ns",), STRING_PROFILE: _PROFILE}
-    estimates: dict[str, list[npt.NDArray[Any]]] = {name: [] for name in _ESTIMATE}
-    late: list[Floats] = []
+    estimates = {name: Grown(np.int64 if name.endswith("_ns") else np.float64) for name in _ESTIMATE}
+    late = Grown(np.float64)
     statuses: list[Status] = []
     events: list[Event] = []
     along: Along | None = None
     for piece in read_columns(session, wanted, whole=(SENSOR_STATUS, SENSOR_EVENT)):
         if BIT_ESTIMATE in piece:
-            for name, parts in estimates.items():
-                parts.append(_column(piece[BIT_ESTIMATE], name))
+            for name, column in estimates.items():
+                column.add(_column(piece[BIT_ESTIMATE], name))
         if SENSOR_TICK in piece:
             lateness = piece[SENSOR_TICK]
-            late.append(lateness.values["lateness_ns"][lateness.known["lateness_ns"]] / 1e9)
+            late.add(lateness.values["lateness_ns"][lateness.known["lateness_ns"]] / 1e9)
         if STRING_PROFILE in piece:
             worst = _worst(piece[STRING_PROFILE])
             along = worst if along is None else along.take(worst)
         messages = [message for columns in piece.values() for message in columns.messages]
         statuses += [message for message in messages if isinstance(message, Status)]
         events += [message for message in messages if isinstance(message, Event)]
-    if not estimates["time_ns"]:
+    if not len(estimates["time_ns"]):
         raise InputError(
             f"{session.path}: holds no {BIT_ESTIMATE} to report on; they can be made of its samples by: "
             f"vsensor estimate {session.path} RIG.toml -o WITH_ESTIMATES.mcap"
         )
-    # One column after the other, as each is there twice for a moment.
-    columns = {name: np.concatenate(estimates.pop(name)) for name in _ESTIMATE}
+    columns = {name: column.whole() for name, column in estimates.items()}
     return Story(
         time_ns=columns.pop("time_ns"),
         confirmed_ns=columns.pop("confirmed_time_ns"),
         forecast_ns=columns.pop("forecast_time_ns"),
         columns=columns,
-        lateness_s=np.concatenate(late) if late else np.empty(0),
+        lateness_s=late.whole(),
         statuses=statuses,
         events=events,
         along=along,
