@@ -145,21 +145,23 @@ def _eights(
 
     Most of an estimate is such: to take them in a loop of their own saves a fourth of the time.
     """
-    while at + 1 + 8 <= end:
-        tag, size = np.uint64(data[at]), 1
+    p, last = np.uint64(at), np.uint64(end)
+    one, numbers = np.uint64(1), np.uint64(wanted.shape[0])
+    while p + np.uint64(1 + 8) <= last:
+        tag, size = np.uint64(data[p]), one
         if tag >= np.uint64(0x80):
-            tag = (tag & np.uint64(0x7F)) | np.uint64(data[at + 1]) << np.uint64(7)
-            size = 2
+            tag = (tag & np.uint64(0x7F)) | np.uint64(data[p + one]) << np.uint64(7)
+            size = np.uint64(2)
         number = tag >> np.uint64(3)
-        unusual = tag >= np.uint64(1 << 14) or at + size + 8 > end
-        if unusual or tag & np.uint64(7) != np.uint64(EIGHT) or number >= np.uint64(wanted.shape[0]):
+        if tag & np.uint64(7) != np.uint64(EIGHT) or number >= numbers or tag >= np.uint64(1 << 14):
             break
-        if wanted[number] != EIGHT:
+        if wanted[number] != EIGHT or p + size + np.uint64(8) > last:
             break
-        out[slots[number]] = _word(data, at + size, 8)
-        known[slots[number]] = True
-        at += size + 8
-    return at
+        slot = np.uint64(slots[number])
+        out[slot] = _word(data, _signed(p + size), 8)
+        known[slot] = True
+        p += size + np.uint64(8)
+    return _signed(p)
 
 
 @compiled
