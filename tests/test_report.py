@@ -19,9 +19,11 @@ from vsensor.messages import BIT_ESTIMATE, SURFACE_SPEED, Estimate, Sample, Stat
 from vsensor.messages.vsensor_pb2 import GOOD
 from vsensor.recording.reader import Session
 from vsensor.recording.writer import SessionWriter
+from vsensor.report import plots
 from vsensor.report.figures import counted, rolled, skill, sticking, worst_window
 from vsensor.report.gather import Story, gather
 from vsensor.report.grown import Grown
+from vsensor.report.plots import portrait
 from vsensor.report.report import report
 from vsensor.report.thin import thinned
 
@@ -236,3 +238,17 @@ def test_a_column_takes_little_more_memory_than_its_numbers() -> None:
     tracemalloc.stop()
     assert size == 200 * piece.nbytes
     assert most < 1.2 * size
+
+
+@pytest.mark.parametrize("count", [0, 1, 7, 350])
+def test_the_portrait_counts_every_tick_however_many_at_a_time(
+    count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bit = 10 + 5 * np.sin(np.arange(count + 1.0))
+    bit[-1] = np.nan
+    told = story(len(bit) / 50, bit)
+    whole = portrait(told, None)
+    monkeypatch.setattr(plots, "_AT_ONCE", 100)
+    assert portrait(told, None) == whole
+    counted = [10**shade for row in whole["data"][0]["z"] for shade in row if shade is not None]
+    assert sum(counted) == pytest.approx(count, rel=0.01)

@@ -23,6 +23,7 @@ _UNIX_NS = 10**17
 _BINS = 90
 _FEW = 20
 """So few points are marked: a line of one would not be seen."""
+_AT_ONCE = 100_000
 RPM, KNM = factor("rad/s", "rpm"), factor("N*m", "kN*m")
 
 
@@ -99,9 +100,9 @@ def portrait(story: Story, law: Sequence[float] | None) -> Plot:
 
     `law` is D (N·m·s/rad), T_k, T_s (N·m) and ω_s (rad/s).
     """
-    speed, torque = story["confirmed_bit_speed_rad_s"] * RPM, story["confirmed_bit_torque_nm"] * KNM
+    speed, torque = story["confirmed_bit_speed_rad_s"], story["confirmed_bit_torque_nm"]
     known = np.isfinite(speed) & np.isfinite(torque)
-    counts, speeds, torques = np.histogram2d(speed[known], torque[known], bins=_BINS)
+    counts, speeds, torques = _counted(speed[known] * RPM, torque[known] * KNM)
     with np.errstate(divide="ignore"):
         shade = np.where(counts > 0, np.log10(counts), np.nan)
     traces: list[dict[str, Any]] = [
@@ -123,6 +124,19 @@ def portrait(story: Story, law: Sequence[float] | None) -> Plot:
         traces.append(_line("load law, learned", w * RPM, load * KNM, LIMIT, width=2.5))
     layout = {**_BASE, "xaxis": _axis("bit speed, rpm"), "yaxis": _axis("bit torque, kN·m")}
     return {"data": traces, "layout": layout, "height": 420}
+
+
+def _counted(speed: Floats, torque: Floats) -> tuple[Floats, Floats, Floats]:
+    """How often each speed came with each torque, and the edges of the bins.
+
+    Counted some at a time: NumPy takes several times the memory of what it counts.
+    """
+    reach = [(values.min(), values.max()) if len(values) else (0.0, 1.0) for values in (speed, torque)]
+    counts, speeds, torques = np.histogram2d(np.empty(0), np.empty(0), bins=_BINS, range=reach)
+    for start in range(0, len(speed), _AT_ONCE):
+        part = slice(start, start + _AT_ONCE)
+        counts += np.histogram2d(speed[part], torque[part], bins=_BINS, range=reach)[0]
+    return counts, speeds, torques
 
 
 def along(worst: Along) -> Plot:
