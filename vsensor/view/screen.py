@@ -11,10 +11,11 @@ from vsensor.view.blueprint import USUAL, Reach
 from vsensor.view.place import Place, ViewError
 from vsensor.view.recording import send
 
-_LIVE_MEMORY = "256MB"
-"""What a viewer that comes late is told: a quarter of an hour; the oldest goes first.
+_LIVE_MEMORY = "64MB"
+"""What a viewer that comes late is told: some minutes; the oldest goes first.
 
-Counted are the messages as they are sent. With them the process takes 550 MB, and no more (measured).
+Counted are the messages as they are sent. A page in a browser takes sixteen times as much to read them, and
+may have 4 GB at most: one that was told 256 MB at once came to a stand there.
 """
 _SESSION_MEMORY = "50%"
 """The same of a recorded session, which is to be seen whole."""
