@@ -17,6 +17,10 @@ Role = Literal["daemon", "client"]
 PASSWORD = "VSENSOR_PASSWORD"  # noqa: S105 -- the name of a variable
 SETTINGS = "ZENOH_CONFIG"  # Zenoh's own name for it
 
+_AT_ONCE = {"transport/link/tx/queue/size/data": 16}
+"""So many messages are held for a client that takes them slowly, Zenoh's most. By default it is two: the loop
+then waited at most of a turn's messages until Zenoh's thread, or a busy machine, had sent the one before."""
+
 _STUMBLED = re.compile(r'msg: "(?P<what>.*)", location: .*line: (?P<line>\d+), column: (?P<column>\d+)')
 _LOGIN = "transport/auth/usrpwd"
 _TLS = "transport/link/tls"
@@ -43,6 +47,8 @@ def zenoh_config(bus: Bus, role: Role) -> zenoh.Config:
         # Nothing we send is large enough for it, and it wants locked memory, which containers seldom grant.
         "transport/shared_memory/enabled": False,
     }
+    if role == "daemon":
+        settings |= _AT_ONCE
     if bus.user is not None:
         settings |= {f"{_LOGIN}/user": bus.user, f"{_LOGIN}/password": _password(bus)}
     for key, value in settings.items():
