@@ -1,4 +1,4 @@
-"""Sticks foretold, and a bit off bottom: on simulated rigs, whose truth is known."""
+"""Sticks foretold, a bit off bottom, a long record: on simulated rigs, whose truth is known."""
 
 import numba
 import numpy as np
@@ -7,10 +7,10 @@ import pytest
 from tests.strings import BIT, DRIVE, PIPE, rig
 from vsensor.config import Tuning
 from vsensor.estimator.estimator import Estimator
-from vsensor.estimator.kernel import CONFIRMED, OFF_BOTTOM, SPEED, STICK, TORQUE, TORQUE_STD
-from vsensor.estimator.tune import OFFSET
+from vsensor.estimator.kernel import CONFIRMED, OFF_BOTTOM, SPEED, SPEED_STD, STICK, TORQUE, TORQUE_STD
+from vsensor.estimator.tune import DELAY, INERTIA, OFFSET
 from vsensor.simulate.rig import SimulatedRig
-from vsensor.simulate.scenario import PLANS, Scenario
+from vsensor.simulate.scenario import PLANS, Plan, Scenario
 
 if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
     pytest.skip("minutes of a rig: too slow without the compiler", allow_module_level=True)
@@ -70,3 +70,33 @@ def test_a_torque_that_reads_too_high_is_tared_off_bottom() -> None:
     truth = np.interp(free[:, 0] - finds.confirmed_delay, free[:, 3], free[:, 4])
     errors = [np.sqrt(np.mean((of[2200:, CONFIRMED + SPEED] - truth[2200:]) ** 2)) for of in (found, exact)]
     assert errors[0] < 1.25 * errors[1]
+
+
+@pytest.mark.parametrize("length", [30.0, 2500.0])
+def test_a_wrong_inertia_is_found_off_bottom_where_the_speed_is_changed(length: float) -> None:
+    """From 6 to 12 rad/s within 4 s, as one does to see what the wall takes at either speed."""
+    pipe = PIPE.model_copy(update={"length": length, "coulomb_friction": 0.5, "static_friction": 0.5})
+    true = rig(pipe, bit={"inertia": 50.0}, top_drive=DRIVE, rate=50.0)
+    turned = Plan(((0, 0), (6, 6), (20, 6), (24, 12)), ((0, 0),), damping=4.0, rock_noise=0.0)
+    lifted = SimulatedRig(true, turned, seed=3)
+    free = np.array([lifted.sample() for _ in range(40 * 50)])
+    found = []
+    for factor in (1.0, 1.1):
+        drive = true.top_drive.model_copy(update={"inertia": factor * true.top_drive.inertia})
+        estimator = Estimator(true.model_copy(update={"top_drive": drive}))
+        estimator.run(free[:, 1], free[:, 2], np.full(len(free), OFF_BOTTOM))
+        found.append(factor * (1 + estimator.tuning[INERTIA]))
+    assert found == pytest.approx([1.0, 1.0], abs=0.04)
+
+
+def test_a_long_record_makes_nobody_too_sure() -> None:
+    """Eight minutes of stick-slip: errors stay as large as is stated, and nothing right is corrected."""
+    drilling = SimulatedRig(LONG, PLANS[Scenario.STICK_SLIP], seed=3)
+    readings = np.array([drilling.sample() for _ in range(8 * 60 * 50)])
+    estimator = Estimator(LONG)
+    values = estimator.run(readings[:, 1], readings[:, 2]).values[5 * 60 * 50 :]
+    when = readings[5 * 60 * 50 :, 0] - estimator.confirmed_delay
+    error = values[:, CONFIRMED + SPEED] - np.interp(when, readings[:, 3], readings[:, 4])
+    within = np.mean(np.abs(error) <= 2 * values[:, CONFIRMED + SPEED_STD])
+    assert 0.90 <= within <= 0.99
+    assert np.abs(estimator.tuning[[DELAY, INERTIA]]).max() < 0.002

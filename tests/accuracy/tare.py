@@ -11,8 +11,8 @@ from vsensor.simulate.scenario import Plan
 
 FOR_S = 60.0
 """About what a driller rotates off bottom after a connection."""
-TURNED = Plan(speed=((0, 0), (8, 12)), load=((0, 0),), damping=4.0, rock_noise=0.0)
-"""Up to 115 rpm in 8 s, and on."""
+TURNED = Plan(speed=((0, 0), (6, 6), (30, 6), (34, 12)), load=((0, 0),), damping=4.0, rock_noise=0.0)
+"""Up to 57 rpm, and from there to 115 rpm: what speeds up tells of its inertia."""
 SEED = 7
 
 

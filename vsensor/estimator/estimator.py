@@ -18,7 +18,8 @@ from vsensor.estimator.observe import shift_torque
 from vsensor.estimator.responses import TOLD_BIT_SPEED, TOLD_TOP_SPEED
 from vsensor.estimator.sections import Floats, cut, junction_depths, steps_per_tick
 from vsensor.estimator.state import LEARNED, Model, State, fill, flat, fresh, heard, is_learned
-from vsensor.estimator.tune import EVERY_S, INERTIA, OFFSET, correct, tuned
+from vsensor.estimator.tare import correct_by_tare
+from vsensor.estimator.tune import DELAY, EVERY_S, INERTIA, OFFSET, correct_delay, tuned
 
 LENGTH = "length"
 """The name under which a saved state holds the length of the topmost component, m;"""
@@ -229,10 +230,11 @@ class Estimator(Known):
             self._correct()
 
     def _correct(self) -> None:
-        value = self._state.tuning.value
-        offset = float(value[OFFSET])
-        if correct(self._state.tuning, self._model.off, self._rig.tuning.enabled):
-            shift_torque(self._model, self._state, float(value[OFFSET]) - offset)
+        tuning, enabled = self._state.tuning, self._rig.tuning.enabled
+        offset = float(tuning.value[OFFSET])
+        delayed = correct_delay(tuning, float(self._model.off[DELAY]), enabled)
+        if correct_by_tare(tuning, enabled) or delayed:
+            shift_torque(self._model, self._state, float(tuning.value[OFFSET]) - offset)
             # What is in the lines stays there: they are read at other delays from now on.
             self._model = self._corrected()
 

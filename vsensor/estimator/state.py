@@ -1,5 +1,6 @@
 """What the estimator is, and what it remembers: plain arrays, laid out once."""
 
+import math
 from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
@@ -13,6 +14,7 @@ from vsensor.estimator.gains import Gains
 from vsensor.estimator.learn import Learned, fresh_law
 from vsensor.estimator.score import Scores, fresh_scores
 from vsensor.estimator.sections import Floats, Integers, Line, stretched
+from vsensor.estimator.tare import RAMP_S
 from vsensor.estimator.tune import STRINGS, Tuning, fresh_tuning
 from vsensor.jit import compiled
 
@@ -186,7 +188,8 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
     sections = len(model.line.impedance)
     # Seen at one moment, the string's top is a travel time behind the last confirmed step, and waves
     # are looked up as far from there as the longest section reaches. Tuning may lengthen all that a little.
-    back = model.lag * model.steps + int(1.1 * model.line.round_trip.sum())
+    ramp = 2 * math.ceil(RAMP_S * model.rate * model.steps)
+    back = model.lag * model.steps + max(int(1.1 * model.line.round_trip.sum()), ramp)
     ahead = int(1.1 * model.forecast) + model.steps
     size = 1 << int(ahead + back + model.steps).bit_length()
     level = len(model.gains.levels) // 2

@@ -5,7 +5,8 @@ from vsensor.estimator.responses import TOLD_BIT_SPEED, TOLD_BIT_TORQUE, TOLD_TO
 from vsensor.estimator.rock import weigh_rock
 from vsensor.estimator.score import EXPECTED, NOW, VALUE
 from vsensor.estimator.state import Model, State
-from vsensor.estimator.tune import MEMORY_S, SHADOWED, wall_torque, weigh_tare
+from vsensor.estimator.tare import acceleration, weigh_tare
+from vsensor.estimator.tune import MEMORY_S, wall_torque
 from vsensor.jit import compiled
 
 TRUSTED = 6.25
@@ -13,11 +14,11 @@ TRUSTED = 6.25
 LEAST_SURPRISE = 0.05
 """Innovations so much smaller than expected are none: the string stands still."""
 TURNING = 0.5
-"""Off bottom, wall friction is told while the string turns faster than this, rad/s,"""
+"""Off bottom, a tare is taken while the string turns faster than this, rad/s,"""
 STEADY = 0.2
 """and its bit as fast as its top but for this share,"""
 STEADY_S = 5.0
-"""for so long: all of the wall rubs then, and nothing speeds up."""
+"""for so long: all of the wall rubs then, and the string turns as one."""
 
 
 @compiled
@@ -63,20 +64,17 @@ def _unmoved(state: State, tick: int, speed: float) -> float:
 
 @compiled
 def study_string(model: Model, state: State) -> None:
-    """Add up how well model and shadows foresaw this tick's speed."""
+    """Add up how well the model foresaw this tick's speed, and its shadows with longer and shorter delays."""
     misfit = state.tuning.misfit
     expected = model.gains.innovation[state.level[0]] * max(LEAST_SURPRISE, state.surprise[0])
     keep = 1.0 - 1.0 / (MEMORY_S * model.rate)
-    for p in range(SHADOWED):
-        misfit[p, 0] = keep * misfit[p, 0] + state.innovation[0] ** 2 / expected
-        for way in range(2):
-            miss = state.innovation[1 + 2 * p + way]
-            misfit[p, 1 + way] = keep * misfit[p, 1 + way] + miss * miss / expected
+    for which in range(misfit.shape[0]):
+        misfit[which] = keep * misfit[which] + state.innovation[which] ** 2 / expected
 
 
 @compiled
 def study_wall(model: Model, state: State) -> None:
-    """Learn the wall's friction from a bit that has long been off bottom: so long as a confirmation takes."""
+    """Take a tare of a bit that has long been off bottom: so long as a confirmation takes."""
     lose_sight(state.learned)
     if (state.off_bottom[0] - model.lag) * model.steps < model.now:
         return
@@ -84,9 +82,14 @@ def study_wall(model: Model, state: State) -> None:
     mask = state.told.shape[2] - 1
     speed, torque = state.told[0, TOLD_BIT_SPEED, step & mask], state.told[0, TOLD_BIT_TORQUE, step & mask]
     weigh_rock(model, state, speed, torque)
-    top = state.told[0, TOLD_TOP_SPEED, (step - (model.now - model.behind * model.steps)) & mask]
+    travel = model.now - model.behind * model.steps
+    top = state.told[0, TOLD_TOP_SPEED, (step - travel) & mask]
     steady = abs(top) > TURNING and abs(speed - top) < STEADY * abs(top)
     state.tuning.steady[0] = state.tuning.steady[0] + 1 if steady else 0
     if state.tuning.steady[0] > STEADY_S * model.rate:
         doubt = model.gains.variance[state.level[0], TOLD_BIT_TORQUE] * max(1.0, state.surprise[0])
-        weigh_tare(state.tuning, wall_torque(model.line, speed), torque, doubt, model.rate)
+        step_s = 1.0 / (model.rate * model.steps)
+        inertia = 0.5 * model.drive_rates[0] * step_s
+        inertial = inertia * acceleration(state.told[0, TOLD_TOP_SPEED], step, travel, step_s)
+        wall = wall_torque(model.line, speed)
+        weigh_tare(state.tuning, inertial, wall, torque, doubt, model.rate)

@@ -1,14 +1,13 @@
 """The configuration corrected by the record itself: delay, top-drive inertia, wall friction, torque's zero.
 
 Beside the model string run shadows of it: with longer delays and with shorter ones, with more inertia and
-with less. Whose innovations are smallest is nearest to the truth, and a parabola through the three sums of
-squares of a parameter tells where it lies and how surely (maximum likelihood, Ljung 1999, chapter 7). What
-the shadows' answers differ by tells what an uncertain parameter costs the answer.
+with less. What their answers differ by tells what an uncertain parameter costs the answer. Whose innovations
+are smallest is nearest to the truth, and a parabola through the sums of squares with longer delays, with
+those in force and with shorter ones tells where the delay lies and how surely (maximum likelihood, Ljung
+1999, chapter 7).
 
-Friction, and an offset of the torque reading, cannot be told from the bit's torque while there is any. Off
-bottom there is none, and what is left over of the bit's torque is theirs: a tare. It is parted by what either
-may be wrong by, and by the wall's torque, which goes with the speed; the offset does not (linear regression
-with normal priors, Box and Tiao 1973).
+The other three cannot be told while there is a rock, which innovations lay everything to. Off bottom there
+is none, and a tare tells them (tare.py).
 """
 
 from typing import NamedTuple
@@ -21,8 +20,10 @@ from vsensor.jit import compiled
 
 DELAY, INERTIA, FRICTION, OFFSET = range(4)
 PARAMETERS = 4
+TARED = slice(INERTIA, PARAMETERS)
+"""Those that a tare tells."""
 SHADOWED = 2
-"""Delay and inertia are told by shadows, a pair each: more of it, and less."""
+"""Delay and inertia have shadows, a pair each: more of it, and less."""
 STRINGS = 1 + 2 * SHADOWED
 """The model string, and then its shadows: longer delays, shorter ones, more inertia, less."""
 BOUND = 3.0
@@ -34,13 +35,12 @@ SURELY = 2.0
 MEMORY_S = 300.0
 """Time over which the record is forgotten."""
 WORTH = 0.05
-"""The model is not the string: what innovations tell of a parameter counts for a twentieth."""
+"""The model is not the string: what innovations tell of the delay counts for a twentieth,"""
+BIAS = 0.001
+"""and is no better than this, one deviation, however long the record: where impedance, friction or law were
+wrong by what is usual, the likeliest delay of simulated records was off by up to a thousandth."""
 SETTLED_S = 60.0
 """Not before the load law was learned for as long as it remembers: its errors would be laid to the string."""
-TARE_S = 30.0
-"""Time over which a tare is forgotten."""
-APART_S = 1.0
-"""Bit torques so far apart tell independently of friction."""
 
 
 class Tuning(NamedTuple):
@@ -51,16 +51,18 @@ class Tuning(NamedTuple):
     value: Floats
     """The corrections in force, shape (4,)."""
     variance: Floats
-    """Of what is still uncertain, shape (4,)."""
+    """Mean square of what they may still be wrong by, shape (4,)."""
     shared: Floats
-    """Covariance of what is uncertain of friction and offset, N·m, shape (1,)."""
+    """The same of friction times offset, N·m, shape (1,)."""
     misfit: Floats
-    """Sums of squared innovations in force, with more and with less of each parameter, shape (2, 3)."""
-    tare: Floats
-    """What off bottom was told of friction and offset: weighted sums of wall², wall and 1, and of the torque
-    left over times wall and times 1, shape (5,)."""
+    """Sums of squared innovations with the delays in force, with longer and with shorter ones, shape (3,)."""
+    information: Floats
+    """What tares told of inertia, friction and offset: weighted sums of the products of what each does to the
+    torque off bottom, shape (3, 3),"""
+    pulls: Floats
+    """and of that times the torque left over, shape (3,)."""
     steady: Integers
-    """Ticks for which the string has turned steadily off bottom, shape (1,)."""
+    """Ticks for which the string has turned as one off bottom, shape (1,)."""
 
 
 def fresh_tuning(settings: Settings, passed: float) -> Tuning:
@@ -72,64 +74,44 @@ def fresh_tuning(settings: Settings, passed: float) -> Tuning:
         value=np.zeros(PARAMETERS),
         variance=prior.copy(),
         shared=np.zeros(1),
-        misfit=np.zeros((SHADOWED, 3)),
-        tare=np.zeros(5),
+        misfit=np.zeros(3),
+        information=np.zeros((3, 3)),
+        pulls=np.zeros(3),
         steady=np.zeros(1, np.int64),
     )
 
 
-def correct(tuning: Tuning, off: Floats, enabled: bool) -> bool:
-    """Take up the corrections that are due; whether there were any. `off` (2,) is what shadows are off by."""
-    changed = [_correct_by_shadows(tuning, p, float(off[p]), enabled) for p in range(SHADOWED)]
-    return _correct_by_tare(tuning, enabled) or any(changed)
-
-
-def _correct_by_shadows(tuning: Tuning, p: int, off: float, enabled: bool) -> bool:
-    information, pull = _parabola(tuning, p, off)
-    tuning.variance[p] = variance = 1 / (information + 1 / float(tuning.prior[p]))
-    due = _bounded(tuning, p, variance * pull)
+def correct_delay(tuning: Tuning, off: float, enabled: bool) -> bool:
+    """Take up a correction of the delays that is due; whether there was one. `off` is the shadows' share."""
+    information, pull = _parabola(tuning, off)
+    variance = 1 / (information + 1 / float(tuning.prior[DELAY]))
+    due = bounded(tuning, DELAY, variance * pull)
     if not enabled or due * due <= SURELY**2 * variance:
+        # What is in force is not what is likeliest: its mean square error holds the difference.
+        tuning.variance[DELAY] = variance + due * due
         return False
+    tuning.variance[DELAY] = variance
     # No further than the shadows were, for there they must look anew.
-    tuning.value[p] += min(max(due, -off), off)
+    tuning.value[DELAY] += min(max(due, -off), off)
     tuning.misfit[:] = 0.0
     return True
 
 
-def _correct_by_tare(tuning: Tuning, enabled: bool) -> bool:
-    """Friction and offset together: what is left of the torque may be surely theirs, and neither's surely."""
-    walls, wall, one, *pulls = tuning.tare.tolist()
-    friction, offset = tuning.prior[FRICTION:].tolist()
-    # P (1 + A P)⁻¹ of priors P and information A: what has no prior deviation has none afterwards.
-    determinant = (1 + walls * friction) * (1 + one * offset) - wall * wall * friction * offset
-    shared = -wall * friction * offset / determinant
-    tuning.variance[FRICTION:] = variances = np.array(
-        [friction * (1 + one * offset) / determinant, offset * (1 + walls * friction) / determinant]
-    )
-    tuning.shared[0] = shared
-    dues = variances * pulls + shared * np.array(pulls[::-1])
-    if not enabled or float(dues @ pulls) <= SURELY**2:
-        return False
-    bounded = [_bounded(tuning, p, float(due)) for p, due in zip((FRICTION, OFFSET), dues, strict=True)]
-    tuning.value[FRICTION:] += bounded
-    # Pairs of before the correction are still on their way.
-    tuning.tare[3:] = 0.0
-    tuning.steady[0] = 0
-    return any(bounded)
-
-
-def _bounded(tuning: Tuning, p: int, due: float) -> float:
+def bounded(tuning: Tuning, p: int, due: float) -> float:
+    """As much of a correction as leaves a parameter within its bounds."""
     value, bound = float(tuning.value[p]), BOUND * float(tuning.prior[p]) ** 0.5
     return float(min(max(due, -bound - value), bound - value))
 
 
-def _parabola(tuning: Tuning, p: int, off: float) -> tuple[float, float]:
+def _parabola(tuning: Tuning, off: float) -> tuple[float, float]:
     """Information on a correction, and where it pulls: of the parabola through three misfits."""
-    here, more, less = tuning.misfit[p].tolist()
+    here, more, less = tuning.misfit.tolist()
     information = WORTH * (more - 2 * here + less) / (2 * off * off)
     pull = WORTH * (less - more) / (4 * off)
     # Far from the truth the valley has no floor yet: its side tells the way, and that it is far.
-    return max(information, abs(pull) / (2 * off)), pull
+    information = max(information, abs(pull) / (2 * off))
+    blurred = 1 + information * BIAS**2
+    return information / blurred, pull / blurred
 
 
 def tuned(line: Line, value: Floats) -> Line:
@@ -138,19 +120,6 @@ def tuned(line: Line, value: Floats) -> Line:
     return stretched(line, float(value[DELAY]))._replace(
         viscous=line.viscous * rough, kinetic=line.kinetic * rough, static=line.static * rough
     )
-
-
-@compiled
-def weigh_tare(tuning: Tuning, wall: float, torque: float, doubt: float, rate: float) -> None:
-    """Learn from a bit torque that is truly zero, told with the variance `doubt`; the wall takes `wall`."""
-    weight = 1.0 / (APART_S * rate * doubt)
-    keep = 1.0 - 1.0 / (TARE_S * rate)
-    tare = tuning.tare
-    tare[0] = keep * tare[0] + weight * wall * wall
-    tare[1] = keep * tare[1] + weight * wall
-    tare[2] = keep * tare[2] + weight
-    tare[3] = keep * tare[3] + weight * wall * torque
-    tare[4] = keep * tare[4] + weight * torque
 
 
 @compiled

@@ -1,0 +1,88 @@
+"""Inertia, wall friction and the torque's zero, told by a bit that is off bottom.
+
+It meets nothing there, and what is left over of its torque is theirs. They are parted by what each may be
+wrong by, and by what they go with: an inertia with the top drive's acceleration, friction with the wall's
+torque, an offset with nothing (linear regression with normal priors, Box and Tiao 1973).
+"""
+
+from vsensor.estimator.sections import Floats
+from vsensor.estimator.tune import FRICTION, INERTIA, OFFSET, SURELY, TARED, Tuning, bounded
+from vsensor.jit import compiled
+
+MEMORY_S = 30.0
+"""Time over which a tare is forgotten."""
+APART_S = 1.0
+"""Bit torques so far apart tell independently of each other."""
+RAMP_S = 0.25
+"""A shorter string's acceleration is taken over so long to either side."""
+
+Matrix = list[list[float]]
+
+
+def correct_by_tare(tuning: Tuning, enabled: bool) -> bool:
+    """Take up the corrections that are due; whether there were any.
+
+    All together: what is left of the torque may be surely theirs, and no single one's surely.
+    """
+    pulls = tuning.pulls.tolist()
+    covariance = _covariance(tuning.prior[TARED].tolist(), tuning.information.tolist())
+    dues = [sum(c * pull for c, pull in zip(row, pulls, strict=True)) for row in covariance]
+    surely = sum(due * pull for due, pull in zip(dues, pulls, strict=True)) > SURELY**2
+    taken = [0.0] * len(dues)
+    if enabled and surely:
+        taken = [bounded(tuning, INERTIA + i, due) for i, due in enumerate(dues)]
+        tuning.value[TARED] += taken
+        # Torques of before the correction are still on their way.
+        tuning.pulls[:] = 0.0
+        tuning.steady[0] = 0
+    left = [due - part for due, part in zip(dues, taken, strict=True)]
+    for i in range(len(left)):
+        tuning.variance[INERTIA + i] = covariance[i][i] + left[i] * left[i]
+    friction, offset = FRICTION - INERTIA, OFFSET - INERTIA
+    tuning.shared[0] = covariance[friction][offset] + left[friction] * left[offset]
+    return any(taken)
+
+
+def _covariance(prior: list[float], information: Matrix) -> Matrix:
+    """(P⁻¹ + A)⁻¹ of prior variances P and information A; what has no prior variance has none afterwards.
+
+    As D (1 + D A D)⁻¹ D with D² = P, by cofactors: a library's last bits differ from machine to machine.
+    """
+    d = [variance**0.5 for variance in prior]
+    m = [[(i == j) + d[i] * information[i][j] * d[j] for j in range(3)] for i in range(3)]
+    cofactors = [[_cofactor(m, i, j) for j in range(3)] for i in range(3)]
+    determinant = sum(m[0][j] * cofactors[0][j] for j in range(3))
+    return [[d[i] * cofactors[j][i] / determinant * d[j] for j in range(3)] for i in range(3)]
+
+
+def _cofactor(m: Matrix, i: int, j: int) -> float:
+    r, s, t, u = (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3
+    return m[r][t] * m[s][u] - m[r][u] * m[s][t]
+
+
+@compiled
+def weigh_tare(
+    tuning: Tuning, inertial: float, wall: float, torque: float, doubt: float, rate: float
+) -> None:
+    """Learn from a bit torque that is truly zero, told with the variance `doubt`.
+
+    The top drive's acceleration takes the torque `inertial`, friction the torque `wall`, N·m.
+    """
+    weight = 1.0 / (APART_S * rate * doubt)
+    keep = 1.0 - 1.0 / (MEMORY_S * rate)
+    does = (inertial, wall, 1.0)
+    for i in range(3):
+        for j in range(3):
+            tuning.information[i, j] = keep * tuning.information[i, j] + weight * does[i] * does[j]
+        tuning.pulls[i] = keep * tuning.pulls[i] + weight * does[i] * torque
+
+
+@compiled
+def acceleration(told: Floats, step: int, travel: int, step_s: float) -> float:
+    """Of the top (told: its speeds, a ring), about when the bit did what is confirmed of it at `step`.
+
+    A wave from the bit is a travel time underway, and so is one to it: between the two lies the mean.
+    """
+    half = max(travel, int(RAMP_S / step_s))
+    mask = told.shape[0] - 1
+    return float((told[step & mask] - told[(step - 2 * half) & mask]) / (2 * half * step_s))
