@@ -91,6 +91,7 @@ def _pairs(rig: Rig, folder: Path, seconds: float, say: Callable[[str], None]) -
         running.enter_context(demo.process("simulate", str(config)))
         session = running.enter_context(open_session(rig.bus, "client"))
         feed = Feed(session, rig.prefix, (SENSOR_TICK, BIT_ESTIMATE))
+        _await_ticks(feed)
         found = Pairs(rate, ask_status(session, rig.prefix).scheduling, [], [])
         for number in range(PAIRS):
             for with_view in (False, True) if number % 2 == 0 else (True, False):
@@ -101,6 +102,15 @@ def _pairs(rig: Rig, folder: Path, seconds: float, say: Callable[[str], None]) -
                     part = _part(feed, at_work, seconds)
                 (found.seen if with_view else found.without).append(part)
     return found
+
+
+def _await_ticks(feed: Feed) -> None:
+    """The rig takes its time to start."""
+    end = time.monotonic() + PATIENCE_S
+    while not any(isinstance(message, Tick) for _, message in feed.drain()):
+        if time.monotonic() > end:
+            raise VsensorError(f"the simulated rig sends nothing: no tick for {PATIENCE_S:g} s")
+        time.sleep(_LOOK_S)
 
 
 def _view(config: Path, file: Path, running: ExitStack) -> View:
