@@ -2,9 +2,10 @@
 
 import pytest
 
-from tests.view_rig import BEGUN_NS, DELAY_S, messages, status, tick
+from tests.view_rig import BEGUN_NS, DELAY_S, estimate, messages, status, tick
 from vsensor.messages import Message, Sample, Status, Tick
 from vsensor.view.batches import Batch, Look, Page, Picture, Points
+from vsensor.view.series import GLANCE, PAGE
 from vsensor.view.stream import FAR_BACK_NS, Stream
 
 NS = 1_000_000_000
@@ -75,3 +76,18 @@ def test_every_line_has_a_look(ticks: int) -> None:
     looks = {batch.entity for batch in batches if isinstance(batch, Look)}
     dots = {"/speed/present", "/torque/present"}
     assert {batch.entity for batch in batches if isinstance(batch, Points)} <= looks | dots
+
+
+def test_large_figures_and_the_page_of_answers_are_drawn_together() -> None:
+    """Of one estimate: who looks from one to the other must not see two speeds."""
+    stream = Stream()
+    drawn(tick(0), stream=stream)  # the large figures are drawn once before any status
+    together = []
+    for number in range(1, 200, 7):
+        batches = drawn(tick(number), estimate(number), *([status()] if number < 20 else []), stream=stream)
+        large = [b for b in batches if isinstance(b, Picture) and b.entity == GLANCE]
+        answers = [b for b in batches if isinstance(b, Page) and b.entity == PAGE]
+        together.append((len(large), len(answers)))
+    assert (1, 1) in together
+    # A picture that is the same again is not sent.
+    assert all(larges <= pages for larges, pages in together)

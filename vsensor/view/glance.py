@@ -15,14 +15,12 @@ from vsensor.messages import Estimate, Message, Profile, Status, Tick
 from vsensor.view import series
 from vsensor.view.batches import Batch, Colour, Picture
 from vsensor.view.palette import DIM, GREEN, GREY, GROUND, ORANGE, VERMILION, WHITE, YELLOW
-from vsensor.view.part import Every, Part
+from vsensor.view.part import FIGURES_EVERY_NS, Beat, Part
 from vsensor.view.plots import Drive
 from vsensor.view.readings import reading
 from vsensor.view.units import Units
 from vsensor.view.verdicts import Grade, Verdict, bit_state, roughness, strength, trust
 
-EVERY_NS = 250_000_000
-"""Large figures that change more often cannot be read."""
 HEIGHT = 170
 TILES = (440, 360, 520, 370, 370)
 """Their widths: bit, surface, torque, stick-slip, trust."""
@@ -43,7 +41,7 @@ class Glance(Part):
         self._status = Status()
         self._profile = Profile()
         self._silent_s = 0.0
-        self._every = Every(EVERY_NS)
+        self._beat = Beat(FIGURES_EVERY_NS)
         self._last = b""
 
     def take(self, message: Message) -> None:
@@ -64,7 +62,7 @@ class Glance(Part):
 
     def batches(self) -> Iterator[Batch]:
         """The picture, four times a second where it has changed."""
-        if not self._silent_s and not self._every.due(self.at_ns):
+        if not self._silent_s and not self._beat.due(self.at_ns):
             return
         picture = self.picture()
         if picture != self._last:

@@ -5,10 +5,8 @@ from collections.abc import Iterator
 from vsensor.messages import Estimate, Event, Message, Status
 from vsensor.view import series, words
 from vsensor.view.batches import Batch, LogLine, Page
-from vsensor.view.part import Every, Part
+from vsensor.view.part import FIGURES_EVERY_NS, Beat, Part
 from vsensor.view.units import Units
-
-PAGE_EVERY_NS = 500_000_000
 
 
 class Journal(Part):
@@ -19,7 +17,7 @@ class Journal(Part):
         self._status = Status()
         self._estimate = Estimate()
         self._out: list[Batch] = []
-        self._every = Every(PAGE_EVERY_NS)
+        self._beat = Beat(FIGURES_EVERY_NS)
 
     def take(self, message: Message) -> None:
         """Take in one message."""
@@ -45,7 +43,7 @@ class Journal(Part):
         if (
             self._status.state
             and not any(isinstance(batch, Page) for batch in out)
-            and self._every.due(self.at_ns)
+            and self._beat.due(self.at_ns)
         ):
             yield Page(series.PAGE, self.at_ns, words.answers(self._estimate, self._status, self._units))
 

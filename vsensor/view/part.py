@@ -6,6 +6,9 @@ from collections.abc import Iterator
 from vsensor.messages import Description, Message, Profile
 from vsensor.view.batches import Batch
 
+FIGURES_EVERY_NS = 250_000_000
+"""Figures that change more often cannot be read."""
+
 
 class Part(ABC):
     """One thing that is drawn."""
@@ -55,3 +58,16 @@ class Every:
             return False
         self._next_ns = at_ns + self._period_ns
         return True
+
+
+class Beat:
+    """Says when another period of the source's clock has begun: to all who ask, at the same moment."""
+
+    def __init__(self, period_ns: int) -> None:
+        self._period_ns = period_ns
+        self._last = -1
+
+    def due(self, at_ns: int) -> bool:
+        """Whether it is another period than when it was asked last."""
+        last, self._last = self._last, at_ns // self._period_ns
+        return self._last != last
