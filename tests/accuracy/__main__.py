@@ -30,7 +30,8 @@ def page(images: Path) -> Iterator[str]:
         yield from reference.exact(case)
     yield pictures.shown(pictures.at_work(sticking.right, sticking.surface, sticking.truth), images)
     yield from reference.limit(smooth)
-    yield words.WRONG.format(tare=tare.FOR_S, turned=tare.TURNED.speed[-1][1] * reference.RPM)
+    slow, turned = (speed * reference.RPM for _, speed in tare.TURNED.speed[1::2])
+    yield words.WRONG.format(tare=tare.FOR_S, slow=slow, turned=turned)
     for case in cases:
         yield from reference.wrong(case)
     yield words.SCRATCH

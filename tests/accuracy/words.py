@@ -57,11 +57,12 @@ the same way, tuned by the truth as above. Surface speed cannot be configured wr
 
 The last three columns are what the sensor had corrected of itself by the end of the record, `[tuning]` as it
 is by default: it begins after a minute. Right would be −1.5% of the delay for G −3 %, −9.1% of the
-inertia for +10 %, +43% of the friction for −30 %, and nothing where nothing is wrong. Friction it corrects
-only off bottom, and only where it is told so: on bottom, wall and bit take of the torque together, and
-nothing measured above parts them. So the last rows of each table begin with *a tare*, as each connection
-gives it: for {tare:.0f} s the true string was turned off bottom by the simulated rig, up to
-{turned:.0f} rpm, and the record goes on with what the wrongly configured sensor had learned of it."""
+inertia for +10 %, +43% of the friction for −30 %, and nothing where nothing is wrong. Inertia and friction
+it corrects only off bottom, and only where it is told so: on bottom, wall and bit take of the torque
+together, and nothing measured above parts them. So the last rows of each table begin with *a tare*, as each
+connection gives it: for {tare:.0f} s the true string was turned off bottom by the simulated rig, at
+{slow:.0f} and then at {turned:.0f} rpm, and the record goes on with what the wrongly configured sensor had
+learned of it."""
 
 WRONG_ROWS = """
 | what is wrong | two lumps share | confirmed share | confirmed torque, kN·m | now share | forecast share \

@@ -42,6 +42,8 @@ from vsensor.service.watch import Watch
 
 REFUSING_SHARE = 0.5
 """Of a flood, half of what may be accepted in a turn is refused in it: the rest waits, and falls out."""
+OWED_S = 5.0
+"""So long after slots were skipped their samples may come: links that have ended are back by then."""
 SEAT_PATIENCE_S = 1.5
 """Links to other routers are made by then, and it is known whether another sensor speaks."""
 
@@ -159,10 +161,10 @@ class Daemon:
         return done
 
     def _count_owed(self, slot: Slot) -> None:
-        """A tick is owed for each slot that was skipped; what has not come a second later never was."""
+        """A tick is owed for each slot that was skipped; what has not come some seconds later never was."""
         if slot.skipped:
             self._owed += slot.skipped
-            self._owed_until = slot.number + self._per_second
+            self._owed_until = slot.number + round(OWED_S * self._per_second)
         elif slot.number > self._owed_until:
             self._owed = 0
 
