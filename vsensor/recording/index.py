@@ -4,7 +4,6 @@ Not by the library's own reader, which makes a record of Python's numbers for ea
 each second that was recorded.
 """
 
-import io
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -49,7 +48,7 @@ class Index:
 
 def read_index(file: WholeReads) -> Index | None:
     """Read a file's index; None where it says that it has none. Any exception means: it is not complete."""
-    file.seek(-_END, io.SEEK_END)
+    file.seek_from_end(_END)
     opcode, content = file.record()
     if opcode != Opcode.FOOTER:
         raise ValueError("it does not end in a footer")
@@ -80,14 +79,14 @@ def read_index(file: WholeReads) -> Index | None:
     return index
 
 
-def _until_footer(file: WholeReads) -> Iterator[tuple[int, bytes]]:
+def _until_footer(file: WholeReads) -> Iterator[tuple[int, memoryview]]:
     opcode, content = file.record()
     while opcode != Opcode.FOOTER:
         yield opcode, content
         opcode, content = file.record()
 
 
-def _note_places(index: Index, content: bytes) -> None:
+def _note_places(index: Index, content: memoryview) -> None:
     (length,) = _BEFORE_PLACES.unpack_from(content)
     places = dict(_PLACE.iter_unpack(content[_BEFORE_PLACES.size : _BEFORE_PLACES.size + length]))
     index.first = places | index.first

@@ -14,7 +14,7 @@ from mcap.data_stream import ReadDataStream
 from mcap.exceptions import EndOfFile
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, McapRecord, Message, Metadata, Schema
-from mcap.stream_reader import breakup_chunk, read_magic
+from mcap.stream_reader import MAGIC_SIZE, breakup_chunk, read_magic
 
 from vsensor.errors import InputError
 from vsensor.recording.index import Index
@@ -37,12 +37,12 @@ _TELLING: Mapping[int, Callable[[ReadDataStream], McapRecord]] = {
 }
 
 
-def _chunk(content: bytes) -> Chunk:
-    """A chunk. Its data are a view: to copy them would cost as much as to read them."""
+def _chunk(content: memoryview) -> Chunk:
+    """A chunk. Its data are a view of the content: to copy them would cost as much as to read them."""
     start, end, size, crc, length = _CHUNK.unpack_from(content)
     at = _CHUNK.size + length
     (packed,) = _LENGTH.unpack_from(content, at)
-    data = memoryview(content)[at + _LENGTH.size :][:packed]
+    data = content[at + _LENGTH.size :][:packed]
     if len(data) < packed:
         raise EndOfFile
     return Chunk(str(content[_CHUNK.size : at], "utf-8"), data, end, start, crc, size)  # type: ignore[arg-type]
@@ -121,7 +121,7 @@ class Scan:
         Not by the library's own reader: it would look at each byte of the messages' indexes, and take them
         apart into as many pairs of Python's numbers as there are messages.
         """
-        read_magic(ReadDataStream(file))
+        read_magic(Content(file.read(MAGIC_SIZE)))
         self.whole_bytes = file.tell()
         opcode = 0
         while opcode != Opcode.FOOTER:
@@ -131,10 +131,10 @@ class Scan:
             if opcode != Opcode.MESSAGE_INDEX:
                 yield _record(opcode, content)
             self.whole_bytes += HEAD.size + len(content)  # only now, as a chunk may be found not to be sound
-        read_magic(ReadDataStream(file))
+        read_magic(Content(file.read(MAGIC_SIZE)))
 
 
-def _record(opcode: int, content: bytes) -> McapRecord | None:
+def _record(opcode: int, content: memoryview) -> McapRecord | None:
     if opcode == Opcode.CHUNK:
         return _chunk(content)
     if opcode == Opcode.MESSAGE:

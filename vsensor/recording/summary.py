@@ -3,15 +3,14 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import BinaryIO
 
+from mcap.opcode import Opcode
 from mcap.records import MessageIndex
-from mcap.stream_reader import StreamReader
 
 from vsensor.errors import InputError
 from vsensor.recording.index import Index
 from vsensor.recording.scan import Scan
-from vsensor.recording.whole import WholeReads
+from vsensor.recording.whole import Content, WholeReads
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,10 +99,11 @@ def _from_index(path: Path, index: Index | None) -> list[TopicSummary]:
     return found
 
 
-def _times(file: BinaryIO, place: int) -> list[int]:
+def _times(file: WholeReads, place: int) -> list[int]:
     file.seek(place)
-    record = next(StreamReader(file, skip_magic=True).records)
-    return [time for time, _ in record.records] if isinstance(record, MessageIndex) else []
+    opcode, content = file.record()
+    is_index = opcode == Opcode.MESSAGE_INDEX
+    return [time for time, _ in MessageIndex.read(Content(content)).records] if is_index else []
 
 
 def _from_scan(path: Path) -> tuple[list[TopicSummary], int]:
