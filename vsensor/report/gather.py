@@ -1,11 +1,7 @@
-"""A session gathered for the report: estimates as columns, the string's worst, what was told beside."""
+"""A session gathered for the report, in memory that its length adds next to nothing to."""
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
-
-import numpy as np
-import numpy.typing as npt
 
 from vsensor.errors import InputError
 from vsensor.messages import (
@@ -15,143 +11,104 @@ from vsensor.messages import (
     SENSOR_TICK,
     STRING_PROFILE,
     Event,
+    Message,
     Status,
 )
+from vsensor.quality import Quality
 from vsensor.recording.columns import Columns, read_columns
 from vsensor.recording.reader import Session
-from vsensor.report.grown import Grown
+from vsensor.report.along import PROFILE, Along, worst
+from vsensor.report.figures import Extent, Stands
+from vsensor.report.foretold import Counted, Foretold
+from vsensor.report.seconds import Seconds
+from vsensor.report.thin import Thinned
+from vsensor.report.ticks import BIT, BIT_TORQUE, FIELDS, TOP, TOP_TORQUE, Floats, Ticks, ticks_of
 
-Floats = npt.NDArray[np.float64]
-
-_ESTIMATE = (
-    "time_ns",
-    "confirmed_time_ns",
-    "confirmed_bit_speed_rad_s",
-    "confirmed_bit_torque_nm",
-    "now_bit_speed_rad_s",
-    "now_bit_torque_nm",
-    "forecast_time_ns",
-    "forecast_bit_speed_rad_s",
-    "forecast_bit_torque_nm",
-    "top_speed_rad_s",
-    "top_torque_nm",
-    "quality",
-)
-_PROFILE = ("depth_m", "shear_stress_pa", "torque_nm", "torque_limit_nm", "margin")
-
-
-@dataclass
-class Along:
-    """The string's worst at each of n stations, SI; what is not known is NaN."""
-
-    depth_m: Floats
-    stress_pa: Floats
-    """The greatest shear stress, whichever way,"""
-    torque_nm: Floats
-    """and torque."""
-    limit_nm: Floats
-    margin: Floats
-    """The least: 0 at the limit."""
-
-    def take(self, other: "Along") -> "Along":
-        """The worst of both; where the string has other stations by now, the later ones alone."""
-        if len(self.depth_m) != len(other.depth_m) or not np.allclose(self.depth_m, other.depth_m):
-            return other
-        return Along(
-            self.depth_m,
-            np.fmax(self.stress_pa, other.stress_pa),
-            np.fmax(self.torque_nm, other.torque_nm),
-            other.limit_nm,
-            np.fmin(self.margin, other.margin),
-        )
+MOST_EVENTS = 60
+"""So many are told one by one."""
+OVER_TIME = (TOP, BIT, TOP_TORQUE, BIT_TORQUE)
+"""What is drawn over the whole session."""
 
 
 @dataclass
 class Story:
-    """What a session tells. Times in ns, all else SI, NaN where not known; n ticks."""
+    """What a session tells, put together tick by tick. Times in ns, all else SI, NaN where not known."""
 
-    columns: Mapping[str, Floats]
-    """Numbers of each estimate by the field's name."""
-    time_ns: npt.NDArray[np.int64]
-    """Of each tick,"""
-    confirmed_ns: npt.NDArray[np.int64]
-    """the time for which its confirmed answer is (the tick's own where there is none),"""
-    forecast_ns: npt.NDArray[np.int64]
-    """and the time of its forecast, likewise."""
-    lateness_s: Floats
+    ticks: int = 0
+    good: int = 0
+    """Ticks of good quality."""
+    first_ns: int = 0
+    """The time of the first tick,"""
+    latest_ns: int = 0
+    """and the latest of all."""
+    extents: dict[str, Extent] = field(default_factory=lambda: {name: Extent() for name in OVER_TIME})
+    over_time: Thinned = field(default_factory=lambda: Thinned(len(OVER_TIME)))
+    """`OVER_TIME`, each at the time for which its confirmed answer is."""
+    seconds: Seconds = field(default_factory=Seconds)
+    stands: Stands = field(default_factory=Stands)
+    foretold: Foretold = field(default_factory=Foretold)
+    counted: Counted = field(default_factory=Counted)
+    lateness_s: Extent = field(default_factory=Extent)
     """How late the loop woke for each tick."""
-    statuses: list[Status] = field(default_factory=list)
+    status: Status | None = None
+    """The last one."""
     events: list[Event] = field(default_factory=list)
+    """The first ones,"""
+    more_events: int = 0
+    """and how many came after them."""
     along: Along | None = None
 
-    def __getitem__(self, name: str) -> Floats:
-        return self.columns[name]
+    def add_ticks(self, ticks: Ticks) -> None:
+        """Add ticks in the file's order."""
+        self.first_ns = self.first_ns if self.ticks else int(ticks.time_ns[0])
+        self.latest_ns = int(ticks.time_ns.max(initial=self.latest_ns if self.ticks else self.first_ns))
+        self.ticks += len(ticks)
+        self.good += int((ticks["quality"] == Quality.GOOD).sum())
+        for name, extent in self.extents.items():
+            extent.add(ticks[name])
+        self.over_time.add(ticks.confirmed_ns, *(ticks[name] for name in OVER_TIME))
+        self.seconds.add(ticks)
+        self.stands.add(ticks)
+        self.foretold.add(ticks)
 
-    @property
-    def status(self) -> Status | None:
-        """The last one."""
-        return self.statuses[-1] if self.statuses else None
+    def add_profiles(self, profiles: Columns) -> None:
+        """Add profiles of the string."""
+        came = worst(profiles)
+        self.along = came if self.along is None else self.along.take(came)
+
+    def add_messages(self, messages: Sequence[Message]) -> None:
+        """Add statuses and events."""
+        for message in messages:
+            if isinstance(message, Status):
+                self.status = message
+                self.counted.add(message)
+            elif isinstance(message, Event) and len(self.events) < MOST_EVENTS:
+                self.events.append(message)
+            elif isinstance(message, Event):
+                self.more_events += 1
 
 
 def gather(session: Session) -> Story:
     """Read a session once. Raises InputError where it holds no estimates."""
-    wanted = {BIT_ESTIMATE: _ESTIMATE, SENSOR_TICK: ("lateness_ns",), STRING_PROFILE: _PROFILE}
-    estimates = {name: Grown(np.int64 if name.endswith("_ns") else np.float64) for name in _ESTIMATE}
-    late = Grown(np.float64)
-    statuses: list[Status] = []
-    events: list[Event] = []
-    along: Along | None = None
+    wanted = {BIT_ESTIMATE: FIELDS, SENSOR_TICK: ("lateness_ns",), STRING_PROFILE: PROFILE}
+    story = Story()
     for piece in read_columns(session, wanted, whole=(SENSOR_STATUS, SENSOR_EVENT)):
         if BIT_ESTIMATE in piece:
-            for name, column in estimates.items():
-                column.add(_column(piece[BIT_ESTIMATE], name))
+            story.add_ticks(ticks_of(piece[BIT_ESTIMATE]))
         if SENSOR_TICK in piece:
-            lateness = piece[SENSOR_TICK]
-            late.add(lateness.values["lateness_ns"][lateness.known["lateness_ns"]] / 1e9)
+            story.lateness_s.add(late(piece[SENSOR_TICK]))
         if STRING_PROFILE in piece:
-            worst = _worst(piece[STRING_PROFILE])
-            along = worst if along is None else along.take(worst)
-        messages = [message for columns in piece.values() for message in columns.messages]
-        statuses += [message for message in messages if isinstance(message, Status)]
-        events += [message for message in messages if isinstance(message, Event)]
-    if not len(estimates["time_ns"]):
+            story.add_profiles(piece[STRING_PROFILE])
+        for columns in piece.values():
+            story.add_messages(columns.messages)
+    if not story.ticks:
         raise InputError(
             f"{session.path}: holds no {BIT_ESTIMATE} to report on; they can be made of its samples by: "
             f"vsensor estimate {session.path} RIG.toml -o WITH_ESTIMATES.mcap"
         )
-    columns = {name: column.whole() for name, column in estimates.items()}
-    return Story(
-        time_ns=columns.pop("time_ns"),
-        confirmed_ns=columns.pop("confirmed_time_ns"),
-        forecast_ns=columns.pop("forecast_time_ns"),
-        columns=columns,
-        lateness_s=late.whole(),
-        statuses=statuses,
-        events=events,
-        along=along,
-    )
+    return story
 
 
-def _column(estimates: Columns, name: str) -> npt.NDArray[Any]:
-    """A field as doubles, or a time in ns: the tick's own where there is no other."""
-    if name.endswith("_ns"):
-        return np.where(estimates.known[name], estimates.values[name], estimates.values["time_ns"])
-    return estimates.number(name)
-
-
-def _worst(profiles: Columns) -> Along:
-    """The worst of some profiles; of those with other stations than the last, nothing."""
-    depth = profiles.values["depth_m"]
-    alike = np.all((depth == depth[-1]) | (np.isnan(depth) & np.isnan(depth[-1])), axis=1)
-    known = ~np.isnan(depth[-1])
-
-    def of(name: str) -> Floats:
-        return np.asarray(profiles.values[name][alike][:, known])
-
-    return Along(
-        depth[-1][known],
-        np.abs(of("shear_stress_pa")).max(axis=0),
-        np.abs(of("torque_nm")).max(axis=0),
-        of("torque_limit_nm")[-1],
-        of("margin").min(axis=0),
-    )
+def late(ticks: Columns) -> Floats:
+    """How late the loop woke for each tick, s, where a loop ran."""
+    return ticks.number("lateness_ns") / 1e9

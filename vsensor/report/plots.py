@@ -7,12 +7,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from vsensor.report.figures import Severity, Skill
-from vsensor.report.gather import Along, Story
-from vsensor.report.thin import thinned
+from vsensor.report.again import Lateness, Portrait
+from vsensor.report.along import Along
+from vsensor.report.foretold import Skill
+from vsensor.report.gather import OVER_TIME, Story
+from vsensor.report.seconds import Severity
+from vsensor.report.thin import Thinned
+from vsensor.report.ticks import Floats, Ticks
 from vsensor.units import factor
 
-Floats = npt.NDArray[np.float64]
 Plot = dict[str, Any]
 
 # The live view's colours (Okabe and Ito's palette): told apart by every kind of colour vision.
@@ -20,31 +23,27 @@ TOP, CONFIRMED, NOW, FORECAST, LIMIT = "#8C8C8C", "#0072B2", "#E69F00", "#CC79A7
 _GRID, _INK = "#E4E4E4", "#1c1c1c"
 _UNIX_NS = 10**17
 """Times before (1973) count from the start of a record, not from 1970."""
-_BINS = 90
 _FEW = 20
 """So few points are marked: a line of one would not be seen."""
-_AT_ONCE = 100_000
 RPM, KNM = factor("rad/s", "rpm"), factor("N*m", "kN*m")
 
 
 def over_time(story: Story, severity: Severity, worst: tuple[int, int]) -> Plot:
     """The whole session: speeds, torques and severity over one time, the worst minute shaded."""
-    time, (top, bit, top_torque, bit_torque) = thinned(
-        _clock(story.confirmed_ns),
-        story["top_speed_rad_s"] * RPM,
-        story["confirmed_bit_speed_rad_s"] * RPM,
-        story["top_torque_nm"] * KNM,
-        story["confirmed_bit_torque_nm"] * KNM,
-    )
+    time_ns, (top, bit, top_torque, bit_torque) = story.over_time.drawn()
+    thinned = Thinned(1)
+    thinned.add(severity.time_ns, severity.value)
+    severe_ns, (severe,) = thinned.drawn()
+    time = _clock(time_ns)
     traces = [
-        _line("bit", time, bit, CONFIRMED, width=1.0),
-        _line("top of the string", time, top, TOP),
-        _line("top of the string", time, top_torque, TOP, row=2, legend=False),
-        _line("bit", time, bit_torque, CONFIRMED, row=2, width=1.0, legend=False),
-        _line("severity", _clock(severity.time_ns), severity.value, LIMIT, row=3, legend=False),
+        _line("bit", time, bit * RPM, CONFIRMED, width=1.0),
+        _line("top of the string", time, top * RPM, TOP),
+        _line("top of the string", time, top_torque * KNM, TOP, row=2, legend=False),
+        _line("bit", time, bit_torque * KNM, CONFIRMED, row=2, width=1.0, legend=False),
+        _line("severity", _clock(severe_ns), severe, LIMIT, row=3, legend=False),
     ]
-    traces[-1]["mode"] = "lines+markers" if len(severity.value) < _FEW else "lines"
-    layout = _rows(("speed, rpm", "torque, kN·m", "severity"), story.time_ns, (0.42, 0.34, 0.24))
+    traces[-1]["mode"] = "lines+markers" if len(severe) < _FEW else "lines"
+    layout = _rows(("speed, rpm", "torque, kN·m", "severity"), story.latest_ns, (0.42, 0.34, 0.24))
     begin, end = _clock(np.array(worst)).tolist()
     shade = {"type": "rect", "xref": "x", "yref": "paper", "x0": begin, "x1": end, "y0": 0, "y1": 1}
     stops = {"type": "line", "xref": "paper", "yref": "y3", "x0": 0, "x1": 1, "y0": 1, "y1": 1}
@@ -63,23 +62,17 @@ def over_time(story: Story, severity: Severity, worst: tuple[int, int]) -> Plot:
     return {"data": traces, "layout": layout, "height": 640}
 
 
-def closely(story: Story, worst: tuple[int, int]) -> Plot:
+def closely(ticks: Ticks, worst: tuple[int, int]) -> Plot:
     """The worst minute: what the bit did, and what was said of it at the time and before."""
 
     def within(at_ns: npt.NDArray[np.int64], *names: str) -> tuple[Floats, list[Floats]]:
         own = (at_ns >= worst[0]) & (at_ns <= worst[1])
-        return _clock(at_ns[own]), [story[name][own] for name in names]
+        return _clock(at_ns[own]), [ticks[name][own] for name in names]
 
-    confirmed, (top, bit, top_torque, bit_torque) = within(
-        story.confirmed_ns,
-        "top_speed_rad_s",
-        "confirmed_bit_speed_rad_s",
-        "top_torque_nm",
-        "confirmed_bit_torque_nm",
-    )
-    now, (bit_now, torque_now) = within(story.time_ns, "now_bit_speed_rad_s", "now_bit_torque_nm")
+    confirmed, (top, bit, top_torque, bit_torque) = within(ticks.confirmed_ns, *OVER_TIME)
+    now, (bit_now, torque_now) = within(ticks.time_ns, "now_bit_speed_rad_s", "now_bit_torque_nm")
     ahead, (bit_ahead, torque_ahead) = within(
-        story.forecast_ns, "forecast_bit_speed_rad_s", "forecast_bit_torque_nm"
+        ticks.forecast_ns, "forecast_bit_speed_rad_s", "forecast_bit_torque_nm"
     )
     traces = [
         _line("bit, foretold", ahead, bit_ahead * RPM, FORECAST, width=1.2),
@@ -91,18 +84,16 @@ def closely(story: Story, worst: tuple[int, int]) -> Plot:
         _line("confirmed", confirmed, bit_torque * KNM, CONFIRMED, row=2, width=2.0, legend=False),
         _line("top", confirmed, top_torque * KNM, TOP, row=2, legend=False),
     ]
-    layout = _rows(("speed, rpm", "torque, kN·m"), story.time_ns, (0.55, 0.45))
+    layout = _rows(("speed, rpm", "torque, kN·m"), worst[1], (0.55, 0.45))
     return {"data": traces, "layout": layout, "height": 480}
 
 
-def portrait(story: Story, law: Sequence[float] | None) -> Plot:
+def portrait(counted: Portrait, law: Sequence[float] | None) -> Plot:
     """Where the bit was in torque and speed, and how often; the load law over it.
 
     `law` is D (N·m·s/rad), T_k, T_s (N·m) and ω_s (rad/s).
     """
-    speed, torque = story["confirmed_bit_speed_rad_s"], story["confirmed_bit_torque_nm"]
-    known = np.isfinite(speed) & np.isfinite(torque)
-    counts, speeds, torques = _counted(speed[known] * RPM, torque[known] * KNM)
+    counts, speeds, torques = counted.counts, counted.speeds * RPM, counted.torques * KNM
     with np.errstate(divide="ignore"):
         shade = np.where(counts > 0, np.log10(counts), np.nan)
     traces: list[dict[str, Any]] = [
@@ -117,26 +108,13 @@ def portrait(story: Story, law: Sequence[float] | None) -> Plot:
             "name": "confirmed",
         }
     ]
-    if law is not None and known.any():
+    if law is not None and counts.any():
         viscous, kinetic, static, stribeck = law
-        w = np.linspace(0.0, max(float(speed[known].max()) / RPM, 1.0), 300)
+        w = np.linspace(0.0, max(float(counted.speeds[-1]), 1.0), 300)
         load = viscous * w + kinetic + (static - kinetic) * np.exp(-w / stribeck)
         traces.append(_line("load law, learned", w * RPM, load * KNM, LIMIT, width=2.5))
     layout = {**_BASE, "xaxis": _axis("bit speed, rpm"), "yaxis": _axis("bit torque, kN·m")}
     return {"data": traces, "layout": layout, "height": 420}
-
-
-def _counted(speed: Floats, torque: Floats) -> tuple[Floats, Floats, Floats]:
-    """How often each speed came with each torque, and the edges of the bins.
-
-    Counted some at a time: NumPy takes several times the memory of what it counts.
-    """
-    reach = [(values.min(), values.max()) if len(values) else (0.0, 1.0) for values in (speed, torque)]
-    counts, speeds, torques = np.histogram2d(np.empty(0), np.empty(0), bins=_BINS, range=reach)
-    for start in range(0, len(speed), _AT_ONCE):
-        part = slice(start, start + _AT_ONCE)
-        counts += np.histogram2d(speed[part], torque[part], bins=_BINS, range=reach)[0]
-    return counts, speeds, torques
 
 
 def along(worst: Along) -> Plot:
@@ -197,15 +175,13 @@ def by_horizon(every_tick: Skill, counted: Skill, of_late: Skill) -> Plot:
     return {"data": traces, "layout": layout, "height": 300}
 
 
-def lateness(late_s: Floats) -> Plot:
+def lateness(counted: Lateness) -> Plot:
     """How often the loop woke how late."""
-    ms = np.clip(late_s * 1e3, 1e-3, None)
-    edges = np.geomspace(1e-3, max(10.0, float(ms.max())), 61)
-    counts, _ = np.histogram(ms, edges)
+    edges = counted.edges_ms
     bars = {
         "type": "bar",
         "x": _packed(np.sqrt(edges[1:] * edges[:-1])),
-        "y": _packed(counts.astype(np.float64)),
+        "y": _packed(counted.counts),
         "width": _packed(np.diff(edges)),
         "marker": {"color": CONFIRMED},
         "hovertemplate": "%{x:.3g} ms: %{y} ticks<extra></extra>",
@@ -233,9 +209,9 @@ def _axis(title: str) -> dict[str, Any]:
     return {"title": {"text": title}, "gridcolor": _GRID, "zerolinecolor": "#BDBDBD", "automargin": True}
 
 
-def _rows(titles: Sequence[str], time_ns: npt.NDArray[np.int64], heights: Sequence[float]) -> dict[str, Any]:
+def _rows(titles: Sequence[str], latest_ns: int, heights: Sequence[float]) -> dict[str, Any]:
     """Rows of plots over one time, from the top down; where it counts from 1970, with dates."""
-    dated = bool(time_ns.max() >= _UNIX_NS)
+    dated = latest_ns >= _UNIX_NS
     layout: dict[str, Any] = {**_BASE, "hovermode": "x unified"}
     layout["xaxis"] = {
         **_axis("time of day, UTC" if dated else "time, s"),

@@ -6,34 +6,33 @@ from vsensor.config import loads
 from vsensor.errors import InputError, VsensorError
 from vsensor.recording.reader import Session
 from vsensor.recording.summary import Summary
-from vsensor.report import figures, plots, words
-from vsensor.report.figures import Severity
+from vsensor.report import plots, words
+from vsensor.report.again import read_again
+from vsensor.report.foretold import counted
 from vsensor.report.gather import Story, gather
 from vsensor.report.page import folded, page, pair, place, section, table
+from vsensor.report.seconds import Severity
 
 WINDOW_S = 20.0
 """Of the severity, where the session's configuration does not tell."""
-_MOST_EVENTS = 60
 
 
 def report(session: Session) -> str:
     """The report as HTML. Raises InputError where the session holds no estimates."""
     story, summary = gather(session), session.summary()
-    severity = figures.rolled(story.confirmed_ns, story["confirmed_bit_speed_rad_s"], _window(session))
-    worst = figures.worst_window(story)
-    sticks = figures.sticking(story)
+    severity, worst = story.seconds.severity(_window(session)), story.seconds.worst()
+    sticks, again = story.stands.told(), read_again(session, story, worst)
+    of_late = counted([story.status] if story.status else [])
     drawn = {
         "over-time": plots.over_time(story, severity, worst),
-        "closely": plots.closely(story, worst),
-        "portrait": plots.portrait(story, _law(story)),
-        "by-horizon": plots.by_horizon(
-            figures.skill(story), figures.counted(story.statuses), figures.counted(story.statuses[-1:])
-        ),
+        "closely": plots.closely(again.closely, worst),
+        "portrait": plots.portrait(again.portrait, _law(story)),
+        "by-horizon": plots.by_horizon(story.foretold.skill(), story.counted.skill(), of_late),
     }
     if story.along is not None:
         drawn["along"] = plots.along(story.along)
-    if len(story.lateness_s):
-        drawn["lateness"] = plots.lateness(story.lateness_s)
+    if again.lateness is not None:
+        drawn["lateness"] = plots.lateness(again.lateness)
     about = (
         f"{summary.rig or 'a rig without a name'} · {words.began(summary.first_ns)} · "
         f"{words.lasted(summary.duration_s)} · {session.path.name}"
@@ -156,7 +155,8 @@ def _losses(story: Story, summary: Summary) -> list[tuple[str, str]]:
 
 
 def _events(story: Story) -> list[tuple[str, str]]:
-    first = int(story.time_ns[0])
-    told = [(f"{(event.time_ns - first) / 1e9:.1f} s", event.text or event.name) for event in story.events]
-    more = len(told) - _MOST_EVENTS
-    return told[:_MOST_EVENTS] + ([("…", f"{more} more")] if more > 0 else [])
+    told = [
+        (f"{(event.time_ns - story.first_ns) / 1e9:.1f} s", event.text or event.name)
+        for event in story.events
+    ]
+    return told + ([("…", f"{story.more_events} more")] if story.more_events else [])

@@ -4,16 +4,15 @@ from datetime import UTC, datetime
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from vsensor.messages import ChannelStatus
-from vsensor.quality import Quality
 from vsensor.recording.summary import Summary
-from vsensor.report.figures import Severity, Sticking
-from vsensor.report.gather import Along, Story
+from vsensor.report.along import Along
+from vsensor.report.figures import Sticking
+from vsensor.report.gather import Story
 from vsensor.report.plots import KNM, RPM
-
-Floats = npt.NDArray[np.float64]
+from vsensor.report.seconds import Severity
+from vsensor.report.ticks import BIT, BIT_TORQUE, TOP, TOP_TORQUE, Floats
 
 _UNIX_NS = 10**17
 _STICKS = 0.01
@@ -35,20 +34,20 @@ class Key(NamedTuple):
 
 def headline(story: Story, severity: Severity, sticks: Sticking) -> str:
     """One or two sentences that say what happened."""
-    bit, top = story["confirmed_bit_speed_rad_s"] * RPM, story["top_speed_rad_s"] * RPM
-    if not np.isfinite(bit).any():
+    bit, mean = story.extents[BIT], story.extents[TOP].mean * RPM
+    if np.isnan(bit.least):
         return "The sensor never got warm: nothing is known of the bit."
-    fastest, mean = np.nanmax(np.abs(bit)), np.nanmean(top)
+    least, greatest = bit.least * RPM, bit.greatest * RPM
     worst = _most(severity.value)
     if sticks.share >= _STICKS:
         return (
             f"Stick-slip: the bit stood still {sticks.share:.0%} of the time, {_times(sticks.times)}, up to "
-            f"{sticks.longest_s:.1f} s on end, and ran up to {fastest:.0f} rpm in between; "
+            f"{sticks.longest_s:.1f} s on end, and ran up to {max(-least, greatest):.0f} rpm in between; "
             f"the top turned at {mean:.0f} rpm on average."
         )
     if worst >= _SWINGS:
         return (
-            f"Torsional swings: the bit ran between {np.nanmin(bit):.0f} and {np.nanmax(bit):.0f} rpm; "
+            f"Torsional swings: the bit ran between {least:.0f} and {greatest:.0f} rpm; "
             f"the top turned at {mean:.0f} rpm on average, severity was {worst:.2f} at its worst."
         )
     if abs(mean) < 1:
@@ -73,14 +72,12 @@ def strained(worst: Along | None) -> str:
 
 def keys(story: Story, summary: Summary, severity: Severity, sticks: Sticking) -> list[Key]:
     """The figures that are read first."""
-    bit, top = story["confirmed_bit_speed_rad_s"] * RPM, story["top_speed_rad_s"] * RPM
-    torque, on_bit = story["top_torque_nm"] * KNM, story["confirmed_bit_torque_nm"] * KNM
+    bit, top, on_bit, torque = (story.extents[name] for name in (BIT, TOP, BIT_TORQUE, TOP_TORQUE))
     worst = _most(severity.value)
     margin = _least(story.along.margin) if story.along else np.nan
-    good = float(np.mean(story["quality"] == Quality.GOOD))
     return [
-        Key("top speed", _told(_mean(top), "rpm"), "mean"),
-        Key("bit speed", f"{_least(bit):.0f} … {_most(bit):.0f} rpm", "least and greatest"),
+        Key("top speed", _told(top.mean * RPM, "rpm"), "mean"),
+        Key("bit speed", f"{bit.least * RPM:.0f} … {bit.greatest * RPM:.0f} rpm", "least and greatest"),
         Key(
             "severity",
             _told(worst, "", 2),
@@ -93,8 +90,12 @@ def keys(story: Story, summary: Summary, severity: Severity, sticks: Sticking) -
             f"of the time, {_times(sticks.times)}",
             sticks.share >= _STICKS,
         ),
-        Key("torque, top", _told(_mean(torque), "kN·m", 1), f"mean; greatest {_most(torque):.1f}"),
-        Key("torque, bit", _told(_mean(on_bit), "kN·m", 1), f"mean; greatest {_most(on_bit):.1f}"),
+        Key(
+            "torque, top", _told(torque.mean * KNM, "kN·m", 1), f"mean; greatest {torque.greatest * KNM:.1f}"
+        ),
+        Key(
+            "torque, bit", _told(on_bit.mean * KNM, "kN·m", 1), f"mean; greatest {on_bit.greatest * KNM:.1f}"
+        ),
         Key(
             "margin",
             f"{margin:.0%}" if np.isfinite(margin) else "–",
@@ -102,7 +103,7 @@ def keys(story: Story, summary: Summary, severity: Severity, sticks: Sticking) -
             margin < 0,
         ),
         _foretold(story),
-        Key("estimates good", f"{good:.0%}", "of the ticks"),
+        Key("estimates good", f"{story.good / story.ticks:.0%}", "of the ticks"),
         _lost(story, summary),
     ]
 
@@ -136,7 +137,7 @@ def losses(story: Story, summary: Summary) -> list[tuple[str, int | None]]:
         ("slots skipped by the loop", status.slots_skipped if status else None),
         ("restarts of the estimator", status.restarts if status else None),
         ("messages not recorded", summary.dropped),
-        ("estimates not good", int(np.sum(story["quality"] != Quality.GOOD))),
+        ("estimates not good", story.ticks - story.good),
     ]
     return rows
 
@@ -181,10 +182,6 @@ def _most(values: Floats) -> float:
 
 def _least(values: Floats) -> float:
     return float(np.min(_of(values)))
-
-
-def _mean(values: Floats) -> float:
-    return float(np.mean(_of(values)))
 
 
 def _middle(values: Floats) -> float:
