@@ -29,14 +29,16 @@ def test_a_flood_on_one_key_pushes_out_no_sample_of_another(rig: Ends, flooded: 
     assert times_ns(list(inbox.drain(hold=False)), SURFACE_SPEED) == [0, 1, 2, 3, 4]
 
 
-def test_what_was_seen_ahead_of_a_drain_comes_once_and_in_its_place(rig: Ends) -> None:
+@pytest.mark.parametrize("turns", range(6))
+def test_what_a_drain_has_no_time_for_comes_once_and_in_its_place(rig: Ends, turns: int) -> None:
     inbox = rig.inbox()
     for topic in CHANNELS:
         rig.send(topic, range(3))
-    inbox.look()
-    inbox.look()
+    time_left = iter([True] * turns + [False])
+    got = list(inbox.drain(lambda: next(time_left), hold=False))
+    assert len(got) == turns
     rig.send(SURFACE_SPEED, [3])
-    got = list(inbox.drain(hold=False))
+    got += inbox.drain(hold=False)
     assert times_ns(got, SURFACE_TORQUE) == [0, 1, 2]
     assert times_ns(got, SURFACE_SPEED) == [0, 1, 2, 3]
 

@@ -90,15 +90,6 @@ def test_a_step_is_a_run_of_one(estimator: Estimator, answers: Estimates) -> Non
         assert reasons == answers.reasons[k]
 
 
-def test_a_rehearsal_between_two_ticks_changes_nothing(estimator: Estimator, answers: Estimates) -> None:
-    estimator.reset()
-    for k in range(600):
-        estimator.rehearse()
-        values, reasons = estimator.step(column("motor_torque")[k], column("motor_speed")[k])
-        assert values.tobytes() == answers.values[k].tobytes()
-        assert reasons == answers.reasons[k]
-
-
 def test_reset_forgets_all(estimator: Estimator, answers: Estimates) -> None:
     estimator.run([9e3, math.nan, -4e4], [3.0, 2.0, math.inf])
     estimator.reset()

@@ -108,7 +108,7 @@ def test_a_marched_string_leaves_the_waves_that_its_naive_twin_has(
     expected = np.zeros((2, len(at.depth)))
     for k, speed in enumerate(speeds.tolist()):
         waves = peeled.waves
-        g, _ = march(line, load, waves, k, 0.0, peeled.speeds, 0.0, told)
+        g, _ = march(line, load, waves, k, 0.0, peeled.speeds, 0.0, told, 0)
         keep_returned(line, waves, peeled.speeds, k, peeled.returned)
         peeled.speeds[0] = speed
         waves[0, k & (waves.shape[1] - 1)] = g + 2 * line.impedance[0] * speed

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsensor.grid import NS
-from vsensor.service.pace import STIR_NS, MonotonicClock, Pace, Slot
+from vsensor.service.pace import LEAD_NS, MonotonicClock, Pace, Slot
 
 MS = 1_000_000
 rates = st.floats(1, 5000)
@@ -108,23 +108,33 @@ def test_a_deadline_that_has_passed_is_not_waited_for(monkeypatch: pytest.Monkey
     assert waited == []
 
 
-def test_a_long_sleep_is_broken_to_stir_and_a_short_one_is_not() -> None:
+@pytest.mark.parametrize(
+    ("rate", "lead_ns", "times"), [(100.0, LEAD_NS, 5), (1000.0, 400_000, 5), (2000.0, 0, 0)]
+)
+def test_a_slot_is_prepared_where_there_is_time(rate: float, lead_ns: int, times: int) -> None:
     clock = FakeClock([0])
-    stirred: list[int] = []
-    for rate, times in ((100.0, 5), (2000.0, 0)):
-        stirred.clear()
-        begun = clock.time
-        for _ in islice(Pace(rate, clock, lambda: stirred.append(clock.time)).slots(), 5):
-            pass
-        deadlines = [begun + round((k + 1) * NS / rate) for k in range(times)]
-        assert stirred == [deadline - STIR_NS for deadline in deadlines]
+    prepared: list[tuple[int, int]] = []
+    begun = clock.time
+    for _ in islice(Pace(rate, clock, lambda until: prepared.append((clock.time, until))).slots(), 5):
+        pass
+    deadlines = [begun + round((k + 1) * NS / rate) for k in range(times)]
+    assert prepared == [(deadline - lead_ns, deadline - lead_ns // 2) for deadline in deadlines]
 
 
-def test_stirring_that_takes_too_long_makes_its_own_slot_late_and_no_other() -> None:
+def test_a_slot_that_is_due_before_it_could_be_prepared_is_not() -> None:
+    clock = FakeClock([0])
+    prepared: list[int] = []
+    for slot in islice(Pace(100.0, clock, lambda _until: prepared.append(clock.time)).slots(), 4):
+        if slot.number == 2:
+            clock.time += 10 * MS - LEAD_NS // 2
+    assert len(prepared) == 3
+
+
+def test_preparing_for_too_long_makes_its_own_slot_late_and_no_other() -> None:
     clock = FakeClock([0])
 
-    def stir() -> None:
-        clock.time += STIR_NS + 300_000 if clock.time < clock.start + 15 * MS else 0
+    def prepare(_until_ns: int) -> None:
+        clock.time += LEAD_NS + 300_000 if clock.time < clock.start + 15 * MS else 0
 
-    taken = list(islice(Pace(100.0, clock, stir).slots(), 4))
+    taken = list(islice(Pace(100.0, clock, prepare).slots(), 4))
     assert [slot.lateness_ns for slot in taken] == [300_000, 0, 0, 0]

@@ -14,13 +14,13 @@ from vsensor.bench.well import deep_well
 from vsensor.config import Rig
 from vsensor.errors import VsensorError
 from vsensor.estimator import observe
-from vsensor.estimator.ahead import predict
+from vsensor.estimator.ahead import predict, read_beyond
 from vsensor.estimator.along import keep_returned
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.learn import load_in_force
 from vsensor.estimator.line import FADE_SPEED
 from vsensor.estimator.sections import Floats
-from vsensor.estimator.state import Model, State, fill, flat, fresh, line_of, strand
+from vsensor.estimator.state import NONE, Model, State, fill, flat, fresh, line_of, strand
 from vsensor.jit import compiled
 
 RATE_HZ = 1000.0
@@ -88,7 +88,7 @@ def tables(seconds: float) -> Iterator[Table]:
         ),
         (
             f"C by {compiler_version(cc)}, the numbers the same within {AGREEMENT:g}" if cc else NO_COMPILER,
-            f"march: with the bit's load law; a whole one, {case.model.forecast} steps of 1 ms over the "
+            f"march: with the bit's load law; a whole one, {march_steps(case.model)} steps of 1 ms over the "
             f"junctions that matter, takes {marches['ours'].median / MARCHES / 1e3:.0f} µs",
             f"an innovation corrects {corrected(case)} numbers, which takes "
             f"{corrections['ours'].median / CORRECTIONS / 1e3:.0f} µs",
@@ -107,9 +107,14 @@ def deep_case() -> Case:
     return Case(rig, model, state, model.passed * torque[-STEPS:], turns)
 
 
+def march_steps(model: Model) -> int:
+    """Steps of a whole march: what is told, and what is read until the next has come as far."""
+    return model.forecast + read_beyond(model.shares, model.steps)
+
+
 def junctions_marched(case: Case) -> int:
     """How many junctions a march solves: the one below section i matters while its wave can reach the bit."""
-    trips, reach = case.model.line.round_trip, case.model.forecast
+    trips, reach = case.model.line.round_trip, march_steps(case.model)
     below = np.cumsum(trips[::-1])[::-1] - trips
     return int(np.clip(reach - below, 0, reach).sum())
 
@@ -156,6 +161,7 @@ def _ours(case: Case) -> Contestant:
 @compiled
 def _march_all(model: Model, state: State) -> None:
     for _ in range(MARCHES):
+        state.course[:] = NONE  # timed whole, not in shares of it
         predict(model, state, model.forecast)
 
 
@@ -173,7 +179,7 @@ def _step_all(model: Model, state: State, torque: Floats) -> None:
     first = state.ticks[0] * model.steps
     for k in range(torque.shape[0]):
         string.rock[0] *= model.fade
-        observe.turn_by_torque(line, load, model.drive_rates[0], string, state.ahead, first + k, torque[k])
+        observe.turn_by_torque(line, load, model.drive_rates[0], string, first + k, torque[k])
         keep_returned(line, state.waves[0], state.junctions[0], first + k, state.returned)
 
 
@@ -216,7 +222,7 @@ def _theirs(case: Case, c: ctypes.CDLL) -> Contestant:
     lag = number(gains[-1].shape[1])
 
     def march() -> None:
-        span = (number(first + model.steps - 1), number(model.forecast))
+        span = (number(first + model.steps - 1), number(march_steps(model)))
         c.foretell(
             line, load, string, *span, ctypes.c_double(model.fade), _at(state.marching), number(MARCHES)
         )

@@ -83,7 +83,7 @@ static inline double contact(double drive, double resistance, double kinetic, do
     return copysign(fabs(drive) - kinetic, drive) / resistance;
 }
 
-/* Waves are rings of `size` (a power of two), one a section; told: four of them; ahead: two rows of `room`. */
+/* Waves are rings of `size` (a power of two), one a section; told: four of them; ahead: two of size `room`. */
 struct string {
     double *waves, *returned, *junctions, *balances, *rock, *told, *ahead;
     int64_t size, room;
@@ -113,8 +113,8 @@ static double march(const struct line *line, const struct load *load, double *wa
         double f = waves[last * size + (left & mask)] - external;
         double w = turn_bit(load, line, f, speeds[last + 1], balance);
         speeds[last + 1] = w;
-        told[ahead - 1] = w;
-        told[room + ahead - 1] = external + (w != 0 ? law(load, w) : f);
+        told[step & (room - 1)] = w;
+        told[room + (step & (room - 1))] = external + (w != 0 ? law(load, w) : f);
         g = f + external - 2 * foot * w;
         external *= fade;
         for (int64_t i = last - 1; i >= highest; i--) {
@@ -156,15 +156,13 @@ void turn(const struct line *line, const struct load *load, const struct drive *
         const int64_t step = first + k, now = step & mask;
         *s->rock *= drive->fade;
         const double g = march(line, load, s->waves, size, step - 1, 1, step - 1, INT64_C(1) << 60, *s->rock,
-                               1.0, s->junctions, s->balances + 1, s->ahead, s->room);
+                               1.0, s->junctions, s->balances + 1, s->told, size);
         const double pull = torque[k] - g, before = s->junctions[0];
         const double w = contact(pull + drive->rate * before + s->balances[0],
                                  drive->rate + z + line->viscous[0], line->kinetic[0], line->held[0], before);
         s->balances[0] = w != 0 ? drive->rate * (w - before) - s->balances[0] : 0;
         s->junctions[0] = w;
         s->waves[now] = g + 2 * z * w;
-        s->told[now] = s->ahead[0];
-        s->told[size + now] = s->ahead[s->room];
         s->told[2 * size + now] = w;
         s->told[3 * size + now] = g + z * w + rubbing(line, 0, w);
         for (int64_t i = 0; i < line->sections; i++) {

@@ -50,13 +50,6 @@ class SurfaceInbox:
         self._missed = 0
         self._waiting = 0
 
-    def look(self) -> None:
-        """See the first sample that waits in each channel, ahead of the next drain."""
-        now_ns = time.monotonic_ns()
-        for queue in self._queues:
-            if not queue.waits:
-                queue.look(now_ns)
-
     def drain(self, more: Callable[[], bool] = lambda: True, *, hold: bool = True) -> Iterator[Received]:
         """Yield what has come since the last call, and no longer than there is time for `more`.
 

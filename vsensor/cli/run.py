@@ -69,11 +69,11 @@ def run(
 
             def each_second(status: "Status") -> None:
                 supervisor.each_second(status)
-                teller.tell(status, daemon.fault, daemon.news())
+                teller.tell(status, daemon.fault, daemon.voice.news())
                 if exporter is not None:
                     exporter.tell(status)
 
-            pace = Pace(rig.loop.rate, MonotonicClock(), daemon.stir)
+            pace = Pace(rig.loop.rate, MonotonicClock(), daemon.prepare)
             daemon.run(pace, each_second, stopped)
             supervisor.stopping()
         _account(say, daemon.status)

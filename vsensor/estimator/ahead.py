@@ -1,34 +1,70 @@
-"""What follows the newest state of the model string: the waves on their way, and the bit's answer to them."""
+"""What follows the newest state of the model string: the waves on their way, and the bit's answer to them.
+
+The bit hangs on kilometres of elastic string: its speed changes over tenths of a second, and to foretell it
+REFRESH_HZ times a second is enough. Where ticks come faster, a march is spread over several of them.
+"""
 
 import math
 
 from vsensor.estimator.learn import load_in_force
-from vsensor.estimator.state import BIT, Model, State
-from vsensor.estimator.sweep import sweep
+from vsensor.estimator.state import BIT, END, NEXT, NONE, TOLD, Model, State
+from vsensor.estimator.sweep import BALANCE, EXTERNAL, Span, sweep
 from vsensor.jit import compiled
 
+REFRESH_HZ = 100.0
+"""So many marches are begun in a second, at the most."""
 STICK_S = 0.1
 """A bit foretold to rest for so long sticks: shorter stops are the turning points of an oscillation."""
 
 
 @compiled
+def read_beyond(shares: int, steps: int) -> int:
+    """Steps that a march goes further than is asked: it is read until the next has caught up."""
+    return 2 * (shares - 1) * steps
+
+
+@compiled
 def predict(model: Model, state: State, steps: int) -> None:
-    """March on to now, or to the end of the forecast; `ahead` then holds the bit at each of these steps."""
-    known = state.ticks[0] * model.steps + model.steps - 1
+    """March on, until `ahead` tells of the bit at each of so many steps after the newest.
+
+    The march under way goes on by this tick's share; where that is not enough, as at the start or where
+    more is asked than before, a whole one is made.
+    """
+    next_step = (state.ticks[0] + 1) * model.steps
+    share = state.ticks[0] % model.shares
+    end = next_step + steps + read_beyond(model.shares, model.steps)
+    if state.course[NEXT] != NONE:
+        if share == 0:
+            _set_out(model, state, next_step, end)
+        begun = next_step - share * model.steps
+        whole = state.course[END] - begun
+        _go_on(model, state, next_step, begun + whole * (share + 1) // model.shares)
+    if state.course[TOLD] < next_step + steps:
+        _set_out(model, state, next_step, end)
+        _go_on(model, state, next_step, end)
+
+
+@compiled
+def _set_out(model: Model, state: State, first: int, end: int) -> None:
+    """Begin a march of the steps from `first` to before `end`."""
+    state.course[NEXT], state.course[END] = first, end
     for junction in range(state.marching.shape[0]):
         state.marching[junction] = state.junctions[0, junction]
-    sweep(
-        model.line,
-        load_in_force(state.learned, model.bit_rate),
-        state.waves[0],
-        known,
-        steps,
-        state.rock[0] * model.fade,
-        model.fade,
-        state.marching,
-        state.balances[0, BIT],
-        state.ahead,
-    )
+    state.carried[EXTERNAL] = state.rock[0] * model.fade
+    state.carried[BALANCE] = state.balances[0, BIT]
+
+
+@compiled
+def _go_on(model: Model, state: State, unknown: int, until: int) -> None:
+    """March to before step `until`; the top is known to before step `unknown`."""
+    course = state.course
+    if until > course[NEXT]:
+        load = load_in_force(state.learned, model.bit_rate)
+        span = Span(unknown - 1, course[NEXT], until, course[END])
+        sweep(model.line, load, state.waves[0], span, model.fade, state.marching, state.carried, state.ahead)
+        course[NEXT] = until
+    # What the march before told of what lies beyond is overtaken in the end.
+    course[TOLD] = course[END] if course[NEXT] >= course[END] else max(course[NEXT], course[TOLD])
 
 
 @compiled
@@ -36,9 +72,11 @@ def stick_ahead(model: Model, state: State) -> float:
     """Time from now until the bit is foretold to stick, s; 0 while it does; NaN where it does not."""
     step_s = 1.0 / (model.rate * model.steps)
     lasting = math.ceil(STICK_S / step_s)
+    first = state.ticks[0] * model.steps + model.steps
+    mask = state.ahead.shape[1] - 1
     rests = 0
     for step in range(max(0, model.now - lasting), model.forecast):
-        rests = rests + 1 if state.ahead[0, step] == 0 else 0
+        rests = rests + 1 if state.ahead[0, (first + step) & mask] == 0 else 0
         if rests == lasting:
             return max(0.0, (step + 1 - rests - (model.now - 1)) * step_s)
     return math.nan

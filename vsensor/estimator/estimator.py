@@ -8,7 +8,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from vsensor.config import Rig
 from vsensor.estimator import kernel
-from vsensor.estimator.ahead import predict
 from vsensor.estimator.along import SPEED, along, stations
 from vsensor.estimator.carry import carry
 from vsensor.estimator.known import Known
@@ -17,7 +16,7 @@ from vsensor.estimator.model import model_of, timed, with_length
 from vsensor.estimator.observe import shift_torque
 from vsensor.estimator.responses import TOLD_BIT_SPEED, TOLD_TOP_SPEED
 from vsensor.estimator.sections import Floats, cut, junction_depths, steps_per_tick
-from vsensor.estimator.state import LEARNED, Model, State, fill, flat, fresh, heard, is_learned
+from vsensor.estimator.state import LEARNED, NONE, Model, State, fill, flat, fresh, heard, is_learned
 from vsensor.estimator.tare import correct_by_tare
 from vsensor.estimator.tune import DELAY, EVERY_S, INERTIA, OFFSET, correct_delay, tuned
 
@@ -62,7 +61,7 @@ class Estimator(Known):
         self._lay_out()
         self.reset()
         # Compiled, or loaded, here: never at the first tick.
-        self.rehearse()
+        self._advance(*self._none)
         self.profile()
 
     def _lay_out(self) -> None:
@@ -155,11 +154,6 @@ class Estimator(Known):
         self._advance(inputs[0], inputs[1], flags, values, lasting)
         return values[0], int(lasting[0])
 
-    def rehearse(self) -> None:
-        """March ahead once more, to the same numbers: the next tick finds all that it needs in the caches."""
-        self._advance(*self._none)
-        predict(self._model, self._state, self._model.forecast)
-
     def profile(self) -> Floats:
         """Speed (rad/s) and torque (N·m) at each station at the time of the last confirmed answer.
 
@@ -237,6 +231,7 @@ class Estimator(Known):
             shift_torque(self._model, self._state, float(tuning.value[OFFSET]) - offset)
             # What is in the lines stays there: they are read at other delays from now on.
             self._model = self._corrected()
+            self._state.course[:] = NONE
 
     def _new(self) -> State:
         return fresh(self._configured, self._rig.bit, self._rig.tuning)

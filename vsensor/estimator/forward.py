@@ -91,7 +91,7 @@ def _drive(
     z = line.impedance[0]
     for k in range(torques.shape[0]):
         step = done + k
-        g, balances[BIT] = march(line, load, waves, step, external[k], speeds, balances[BIT], told)
+        g, balances[BIT] = march(line, load, waves, step, external[k], speeds, balances[BIT], told, 0)
         pull = drive.torque_ratio * torques[k] - g
         w, balances[TOP] = turn_top(line, drive.inertia_rate, pull, speeds[0], balances[TOP])
         speeds[0] = w

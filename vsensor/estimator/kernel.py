@@ -13,7 +13,7 @@ from vsensor.estimator.score import FORECAST as LAST
 from vsensor.estimator.score import HORIZONS, VALUE, foretell, score, variance
 from vsensor.estimator.score import NOW as FIRST
 from vsensor.estimator.sections import Floats
-from vsensor.estimator.state import FLAGS, Model, State
+from vsensor.estimator.state import FLAGS, NONE, Model, State
 from vsensor.estimator.study import confirmed_step, foretold_for, study_rock, study_string, study_wall
 from vsensor.estimator.tune import (
     DELAY,
@@ -115,6 +115,7 @@ def _lay(model: Model, state: State) -> None:
     for which in range(STRINGS):
         settle(model, state, which, state.inputs[0, place], state.inputs[1, place])
     state.surprise[:] = 1.0
+    state.course[:] = NONE
     state.ticks[1] = state.ticks[0]
 
 
@@ -200,12 +201,14 @@ def _foretell(model: Model, state: State, kinds: int) -> None:
     level = state.level[0]
     restless = state.rock_square[0] / model.gains.levels[level] ** 2
     lasting = max(1, int(CHANGE_S * model.rate * model.steps))
-    state.scores.foretold[kinds:, :, VALUE, state.ticks[0] % state.scores.foretold.shape[3]] = math.nan
+    tick = state.ticks[0]
+    known = tick * model.steps + model.steps - 1
+    state.scores.foretold[kinds:, :, VALUE, tick % state.scores.foretold.shape[3]] = math.nan
     for kind in range(kinds):
         for q in range(2):
             state.unforeseen[q] = restless * model.gains.unforeseen[level, kind, q]
-        ahead = model.horizons[kind]
-        foretell(state.scores, kind, state.ticks[0], state.ahead, ahead, lasting, state.unforeseen)
+        steps = model.horizons[kind]
+        foretell(state.scores, kind, tick, state.ahead, known, steps, lasting, state.unforeseen)
 
 
 @compiled

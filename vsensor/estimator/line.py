@@ -35,15 +35,16 @@ def march(
     speeds: Floats,
     balance: float,
     told: Floats,
+    place: int,
 ) -> tuple[float, float]:
     """March the string from the bit up by a load law, for one step.
 
     Enters f of that step into all sections but the top one. `speeds` (M + 1,) and `balance`, J dω/dt of the
-    bit, are the state at the step before; the first is replaced. Leaves bit speed and torque in `told`
-    (2, ≥ 1). `external` is a further torque on the bit. Returns the wave g that leaves the top, and the new
-    balance.
+    bit, are the state at the step before; the first is replaced. Leaves bit speed and torque in
+    `told[:2, place]`. `external` is a further torque on the bit. Returns the wave g that leaves the top, and
+    the new balance.
     """
-    g, balance = pass_bit(line, load, waves, step, step - 1, external, speeds, balance, told, 0)
+    g, balance = pass_bit(line, load, waves, step, step - 1, external, speeds, balance, told, place)
     for i in range(line.impedance.shape[0] - 2, -1, -1):
         if i < 0:  # never so; but said, it spares the compiler its care for negative indices: a fifth
             break
@@ -66,7 +67,7 @@ def pass_bit(
 ) -> tuple[float, float]:
     """Turn the bit by a step; returns the wave g that leaves it upward, and J dω/dt.
 
-    What it does is left in `told[:, place]`. The top section's f is taken to stay as at step `heard`.
+    What it does is left in `told[:2, place]`. The top section's f is taken to stay as at step `heard`.
     """
     last = line.impedance.shape[0] - 1
     at = foot(line)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from vsensor.config import Rig
+from vsensor.estimator.ahead import REFRESH_HZ, read_beyond
 from vsensor.estimator.along import Stations
 from vsensor.estimator.gains import gains
 from vsensor.estimator.responses import Plant, rock_fade
@@ -37,6 +38,8 @@ def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
     round_trip = int(line.round_trip.sum())
     asked = rig.estimator.horizon
     horizon = round_trip if asked is None else max(1, round(asked * rate * steps))
+    shares = max(1, int(rate / REFRESH_HZ))
+    beyond = read_beyond(shares, steps)
     model = Model(
         line=line,
         impedances=line.impedance[None],
@@ -45,7 +48,7 @@ def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
         off=np.zeros(2),
         inside=longest_round_trips(line, BOUND * rig.tuning.delay + SHADOW_DELAY),
         shift=0,
-        gains=gains(plant, at, lag, (_horizons(line, behind * steps, horizon) / steps).tolist()),
+        gains=gains(plant, at, lag, (_horizons(line, behind * steps, horizon, beyond) / steps).tolist()),
         bit_rate=plant.bit_rate,
         passed=passed,
         turns=drive.gear_ratio,
@@ -61,6 +64,7 @@ def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
         horizon=horizon,
         span=behind + lag + -(-ROUND_TRIPS * round_trip // steps),
         fade=rock_fade(rate * steps),
+        shares=shares,
         learns=rig.estimator.learn,
     )
     return timed(model)
@@ -68,16 +72,20 @@ def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
 
 def timed(model: Model) -> Model:
     """The model with its shadows, and the times that follow from its line."""
-    horizons = _horizons(model.line, model.behind * model.steps, model.horizon)
+    beyond = read_beyond(model.shares, model.steps)
+    horizons = _horizons(model.line, model.behind * model.steps, model.horizon, beyond)
     now, forecast = int(horizons[NOW]), int(horizons[FORECAST])
     return shadowed(model._replace(now=now, forecast=forecast, horizons=horizons))
 
 
-def _horizons(line: Line, behind: int, horizon: int) -> Integers:
-    """Steps to what is foretold, the last where the waves on their way end, or sooner if less is asked."""
+def _horizons(line: Line, behind: int, horizon: int, beyond: int) -> Integers:
+    """Steps to what is foretold, the last where the waves on their way end, or sooner if less is asked.
+
+    They must be on their way when a march sets out that is read so many steps `beyond`.
+    """
     round_trip = int(line.round_trip.sum())
     now = behind + round_trip // 2
-    end = min(max(now, round_trip), now + horizon)
+    end = min(max(now, round_trip - beyond), now + horizon)
     return np.rint(np.linspace(now, end, HORIZONS)).astype(np.int64)
 
 

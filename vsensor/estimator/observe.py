@@ -85,12 +85,9 @@ def observe(model: Model, state: State, which: int) -> None:
         step = state.ticks[0] * model.steps + row
         string.rock[0] *= model.fade
         if silent:
-            turn_by_speed(
-                line, load, model.drive_rates[which], string, state.ahead, step, speed / model.turns
-            )
+            turn_by_speed(line, load, model.drive_rates[which], string, step, speed / model.turns)
         else:
-            pull = torque * model.passed
-            turn_by_torque(line, load, model.drive_rates[which], string, state.ahead, step, pull)
+            turn_by_torque(line, load, model.drive_rates[which], string, step, torque * model.passed)
         if which == 0:
             keep_returned(line, string.waves, string.junctions, step, state.returned)
     state.innovation[which] = math.nan
@@ -115,10 +112,10 @@ def observe(model: Model, state: State, which: int) -> None:
 
 @compiled
 def turn_by_torque(
-    line: Line, load: Load, drive_rate: float, string: Strand, ahead: Floats, step: int, torque: float
+    line: Line, load: Load, drive_rate: float, string: Strand, step: int, torque: float
 ) -> None:
     """One internal step of a string whose top drive passes on `torque`."""
-    g = _march_up(line, load, string, ahead, step)
+    g = _march_up(line, load, string, step)
     w, string.balances[TOP] = turn_top(
         line, drive_rate, torque - g, string.junctions[0], string.balances[TOP]
     )
@@ -126,23 +123,27 @@ def turn_by_torque(
 
 
 @compiled
-def turn_by_speed(
-    line: Line, load: Load, drive_rate: float, string: Strand, ahead: Floats, step: int, speed: float
-) -> None:
+def turn_by_speed(line: Line, load: Load, drive_rate: float, string: Strand, step: int, speed: float) -> None:
     """One internal step of a string whose top turns at `speed`, whatever torque that takes."""
-    g = _march_up(line, load, string, ahead, step)
+    g = _march_up(line, load, string, step)
     string.balances[TOP] = 0.5 * drive_rate * (speed - string.junctions[0])
     _send_down(line, string, step, g, speed)
 
 
 @compiled
-def _march_up(line: Line, load: Load, string: Strand, ahead: Floats, step: int) -> float:
-    g, string.balances[BIT] = march(
-        line, load, string.waves, step, string.rock[0], string.junctions, string.balances[BIT], ahead
-    )
+def _march_up(line: Line, load: Load, string: Strand, step: int) -> float:
     now = step & (string.told.shape[1] - 1)
-    string.told[TOLD_BIT_SPEED, now] = ahead[0, 0]
-    string.told[TOLD_BIT_TORQUE, now] = ahead[1, 0]
+    g, string.balances[BIT] = march(
+        line,
+        load,
+        string.waves,
+        step,
+        string.rock[0],
+        string.junctions,
+        string.balances[BIT],
+        string.told,
+        now,
+    )
     return g
 
 

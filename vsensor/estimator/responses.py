@@ -179,7 +179,7 @@ def _strike(
     top_balance, bit_balance = 0.0, 0.0
     rock = 1.0 if by_rock else 0.0
     for step in range(waves.shape[0]):
-        g, bit_balance = march(line, load, ring, step, rock, speeds, bit_balance, bit)
+        g, bit_balance = march(line, load, ring, step, rock, speeds, bit_balance, bit, 0)
         w, top_balance = turn_top(line, drive_rate, pulls[step] - g, speeds[0], top_balance)
         speeds[0] = w
         ring[0, step & mask] = g + 2 * line.impedance[0] * w

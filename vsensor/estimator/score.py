@@ -59,16 +59,23 @@ def fresh_scores(ticks: int, rate: float) -> Scores:
 
 @compiled
 def foretell(
-    scores: Scores, kind: int, tick: int, ahead: Floats, step: int, lasting: int, unforeseen: Floats
+    scores: Scores,
+    kind: int,
+    tick: int,
+    ahead: Floats,
+    known: int,
+    steps: int,
+    lasting: int,
+    unforeseen: Floats,
 ) -> None:
-    """Note what a march says of its `step`-th step, and the variance that the gains tell, (2,).
+    """Note what a march says so many `steps` after step `known`, and the variance that the gains tell, (2,).
 
     How fast it changes is taken over `lasting` steps: a bit that stops changes its torque at a stroke.
     """
-    place = tick % scores.foretold.shape[3]
+    place, mask = tick % scores.foretold.shape[3], ahead.shape[1] - 1
     for q in range(2):
-        value = ahead[q, step - 1]
-        before = ahead[q, max(step - 1 - lasting, 0)]
+        value = ahead[q, (known + steps) & mask]
+        before = ahead[q, (known + max(steps - lasting, 1)) & mask]
         scores.foretold[kind, q, VALUE, place] = value
         scores.foretold[kind, q, CHANGE, place] = (value - before) / lasting
         scores.foretold[kind, q, EXPECTED, place] = unforeseen[q]

@@ -24,6 +24,11 @@ TOP, BIT = range(2)
 """The two ends that have an inertia of their own."""
 TORQUE, SPEED = range(2)
 """The two channels."""
+NEXT, END, TOLD = range(3)
+"""Of the march ahead: the next step of the one under way, its end, and that of what has been told of; ends
+are not themselves in it."""
+NONE = -1
+"""There is no such march."""
 LEARNED = ("scores", "learned", "tuning", "rock_square", "level")
 """What stays when the waves are lost: these, and all within them."""
 
@@ -79,6 +84,8 @@ class Model(NamedTuple):
     """Ticks for which an input takes part in the confirmed answer."""
     fade: float
     """Share of the rock's torque left after an internal step."""
+    shares: int
+    """Ticks over which a march ahead is spread."""
     learns: bool
     """Whether the load law is learned, or stays as configured."""
 
@@ -131,10 +138,14 @@ class State(NamedTuple):
     """What was foretold, and how far it missed."""
     tuning: Tuning
     """What was learned of the configuration's own errors."""
+    course: Integers
+    """How far the march ahead has come (ahead.py), shape (3,);"""
     marching: Floats
-    """Room for the march: each junction's speed,"""
+    """each junction's speed in it,"""
+    carried: Floats
+    """and what else it carries from step to step (sweep.py), shape (2,)."""
     ahead: Floats
-    """and the bit's speed and torque at each of its steps, shape (2, steps)."""
+    """The bit's speed and torque as foretold, a ring by internal step, shape (2, size)."""
     unforeseen: Floats
     """Room for the variances of a prediction, shape (2,)."""
 
@@ -190,7 +201,7 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
     # are looked up as far from there as the longest section reaches. Tuning may lengthen all that a little.
     ramp = 2 * math.ceil(RAMP_S * model.rate * model.steps)
     back = model.lag * model.steps + max(int(1.1 * model.line.round_trip.sum()), ramp)
-    ahead = int(1.1 * model.forecast) + model.steps
+    ahead = int(1.1 * model.forecast) + 2 * model.shares * model.steps
     size = 1 << int(ahead + back + model.steps).bit_length()
     level = len(model.gains.levels) // 2
     return State(
@@ -216,8 +227,10 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
         learned=fresh_law(bit),
         scores=fresh_scores(ahead // model.steps + model.lag + 2, model.rate),
         tuning=fresh_tuning(settings, model.passed),
+        course=np.full(3, NONE, np.int64),
         marching=np.zeros(sections + 1),
-        ahead=np.zeros((2, ahead)),
+        carried=np.zeros(2),
+        ahead=np.zeros((2, 1 << int(ahead).bit_length())),
         unforeseen=np.zeros(2),
     )
 

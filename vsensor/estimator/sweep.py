@@ -12,22 +12,25 @@ from vsensor.estimator.load import Load
 from vsensor.estimator.sections import Floats, Integers, Line
 from vsensor.jit import compiled
 
+EXTERNAL, BALANCE = range(2)
+"""What a march carries from step to step beside the junctions' speeds: the further torque on the bit, and
+J dω/dt of the bit."""
 SHORTEST = 32
 """Junctions between which a wave goes to and fro in fewer steps are passed together, step by step: runs so
 short gain nothing."""
 
 
-class Block(NamedTuple):
-    """Steps that are marched together."""
+class Span(NamedTuple):
+    """Steps that are marched."""
 
-    known: int
-    """The step from which the whole march sets out;"""
+    heard: int
+    """The last step at which the top section's f is known: it is taken to stay so."""
     first: int
-    """the block's first,"""
-    length: int
-    """how many it has,"""
-    left: int
-    """and how many there are from the first to the end of the march."""
+    """The first of them,"""
+    until: int
+    """the one after the last,"""
+    end: int
+    """and the one after the last of the whole march: what would reach the bit later does not matter."""
 
 
 @compiled
@@ -35,31 +38,27 @@ def sweep(
     line: Line,
     load: Load,
     waves: Floats,
-    known: int,
-    steps: int,
-    external: float,
+    span: Span,
     fade: float,
     speeds: Floats,
-    balance: float,
+    carried: Floats,
     told: Floats,
 ) -> None:
-    """March the string from the bit up for `steps` steps after step `known`, so far as they concern the bit.
+    """March the string from the bit up, so far as it concerns the bit, from where it was left.
 
-    Junctions whose wave would not reach the bit within these steps are spared. Enters f into all sections but
-    the top one, whose f is taken to stay as at `known`. `speeds` (M + 1,) and `balance`, J dω/dt of the bit,
-    are the state at `known`; the first is replaced. Each step leaves bit speed and torque in `told`
-    (2, ≥ steps). `external` is a further torque on the bit, of which a share `fade` is left at each
-    following step.
+    Enters f into all sections but the top one. `speeds` (M + 1,) and `carried` (2,), the further torque on
+    the bit and J dω/dt of it, are the state before, and are replaced; of the further torque a share `fade` is
+    left at each following step. Each step leaves bit speed and torque in `told`, a ring by step, (2, size).
     """
     trips = line.round_trip
     last = trips.shape[0] - 1
-    length = _block_length(trips, steps)
-    for done in range(0, steps, length):
-        block = Block(known, known + 1 + done, min(length, steps - done), steps - done)
+    length = _block_length(trips, max(1, span.until - span.first))
+    for first in range(span.first, span.until, length):
+        block = Span(span.heard, first, min(first + length, span.until), span.end)
         top = _highest(trips, last, length)
-        external, balance = _turn_bit(line, load, waves, block, top, external, fade, speeds, balance, told)
+        _turn_bit(line, load, waves, block, top, fade, speeds, carried, told)
         # So many steps of the block, where not more than it has, concern the bit.
-        matters = block.left - _way(trips, top, last)
+        matters = span.end - first - _way(trips, top, last)
         while top > 0 and matters > 0:
             lowest = top - 1
             top = _highest(trips, lowest, length)
@@ -99,34 +98,32 @@ def _turn_bit(
     line: Line,
     load: Load,
     waves: Floats,
-    block: Block,
+    block: Span,
     top: int,
-    external: float,
     fade: float,
     speeds: Floats,
-    balance: float,
+    carried: Floats,
     told: Floats,
-) -> tuple[float, float]:
-    """Turn the bit through a block, and pass the junctions up to `top`; returns `external` and balance."""
+) -> None:
+    """Turn the bit through a block, and pass the junctions up to `top`."""
     last = line.impedance.shape[0] - 1
-    for k in range(block.length):
-        step = block.first + k
-        g, balance = pass_bit(
-            line, load, waves, step, block.known, external, speeds, balance, told, step - block.known - 1
-        )
+    external, balance = carried[EXTERNAL], carried[BALANCE]
+    for step in range(block.first, block.until):
+        place = step & (told.shape[1] - 1)
+        g, balance = pass_bit(line, load, waves, step, block.heard, external, speeds, balance, told, place)
         external *= fade
-        matters = block.left - k - line.round_trip[last]
-        _pass_up(line, waves, step, block.known, last - 1, top, matters, g, speeds)
-    return external, balance
+        matters = block.end - step - line.round_trip[last]
+        _pass_up(line, waves, step, block.heard, last - 1, top, matters, g, speeds)
+    carried[EXTERNAL], carried[BALANCE] = external, balance
 
 
 @compiled
 def _pass(
-    line: Line, waves: Floats, block: Block, lowest: int, top: int, matters: int, speeds: Floats
+    line: Line, waves: Floats, block: Span, lowest: int, top: int, matters: int, speeds: Floats
 ) -> None:
     """Pass junctions from the lowest to `top` for the steps that matter, where g waits in the place of f."""
     mask = waves.shape[1] - 1
-    run = min(block.length, matters)
+    run = min(block.until - block.first, matters)
     if lowest == top and _slides(line, waves, block, top, run, speeds[top + 1]):
         onward = min(run, matters - line.round_trip[top]) if top > 0 else 0
         speeds[top + 1] = _slide(line, waves, block.first, top, run, onward)
@@ -134,7 +131,7 @@ def _pass(
     for k in range(run):
         step = block.first + k
         g = waves[lowest + 1, step & mask]
-        _pass_up(line, waves, step, block.known, lowest, top, matters - k, g, speeds)
+        _pass_up(line, waves, step, block.heard, lowest, top, matters - k, g, speeds)
 
 
 @compiled
@@ -142,7 +139,7 @@ def _pass_up(
     line: Line,
     waves: Floats,
     step: int,
-    known: int,
+    heard: int,
     lowest: int,
     top: int,
     matters: int,
@@ -153,17 +150,17 @@ def _pass_up(
     for i in range(lowest, top - 1, -1):
         if i < 0 or matters <= 0:  # the first is never so; but said, it spares the compiler some care
             return
-        g = pass_junction(line, waves, i, step, known, g, speeds)
+        g = pass_junction(line, waves, i, step, heard, g, speeds)
         matters -= line.round_trip[i]
     if top > 0 and matters > 0:
         waves[top, step & (waves.shape[1] - 1)] = g
 
 
 @compiled
-def _slides(line: Line, waves: Floats, block: Block, i: int, run: int, before: float) -> bool:
+def _slides(line: Line, waves: Floats, block: Span, i: int, run: int, before: float) -> bool:
     """Whether the junction below section i slides at each step of a run, and all f of that are heard."""
     trip, size = line.round_trip[i], waves.shape[1]
-    if before == 0 or (i == 0 and block.first + run - 1 - trip > block.known):
+    if before == 0 or (i == 0 and block.first + run - 1 - trip > block.heard):
         return False
     kinetic = line.kinetic[i + 1]
     rests = 0

@@ -2,10 +2,12 @@
 
 import time
 from collections.abc import Callable, Iterator
+from itertools import chain
+from typing import NamedTuple
 
 import zenoh
 
-from vsensor.bus import Outbox, Received, SurfaceInbox
+from vsensor.bus import SurfaceInbox
 from vsensor.commands import obey
 from vsensor.config import Rig
 from vsensor.errors import VsensorError
@@ -13,7 +15,6 @@ from vsensor.messages import (
     BIT_ESTIMATE,
     BIT_SPEED,
     BIT_TORQUE,
-    SENSOR_EVENT,
     SENSOR_STATUS,
     SENSOR_TICK,
     STRING_DESCRIPTION,
@@ -21,7 +22,7 @@ from vsensor.messages import (
     SURFACE_TOPICS,
     Estimate,
     Event,
-    Message,
+    Profile,
     Sample,
     Status,
     Tick,
@@ -38,6 +39,7 @@ from vsensor.service.recording import Recorder, Recording
 from vsensor.service.reload import Reload
 from vsensor.service.seat import Seat
 from vsensor.service.shed import NO_FORECAST, NO_PROFILE
+from vsensor.service.voice import Voice
 from vsensor.service.watch import Watch
 
 REFUSING_SHARE = 0.5
@@ -46,6 +48,15 @@ OWED_S = 5.0
 """So long after slots were skipped their samples may come: links that have ended are back by then."""
 SEAT_PATIENCE_S = 1.5
 """Links to other routers are made by then, and it is known whether another sensor speaks."""
+
+
+class Made(NamedTuple):
+    """One tick that was run, and what is to be told of it."""
+
+    tick: Tick
+    estimate: Estimate
+    profile: Profile | None
+    """Where one is due."""
 
 
 class Daemon:
@@ -77,17 +88,17 @@ class Daemon:
             most_refused,
             max_lead_s=rig.measurement.max_gap,
         )
-        self._outbox = Outbox(session, rig.prefix, reliable=False)
         self._watch = Watch(rig)
         self._profiler = Profiler(rig, engine.estimator)
         self._describer = Describer(rig, engine.estimator)
         self.health = Health(rig, engine, self._watch.sticks, realtime)
+        self.voice = Voice(session, rig, recorder, self.health)
+        self._made: list[Made] = []
         self.status = self.health.status("starting", recorder)
         self._per_second = round(rig.loop.rate)
         self._ration = Ration(rig.loop.rate)
         self.fault = ""
         """What made the last unreadable sample unreadable."""
-        self._news: list[Event] = []
         self._owed = 0
         self._owed_until = 0
         self._reload = reload
@@ -95,7 +106,7 @@ class Daemon:
         self._seat = Seat(
             session, rig.prefix, stand_by=stand_by, patience_s=0.0 if alone else SEAT_PATIENCE_S
         )
-        self._outbox.muted = not self._seat.taken
+        self.voice.mute(not self._seat.taken)
 
     def run(self, pace: Pace, told: Callable[[Status], None], stopped: Callable[[], bool]) -> None:
         """Turn once each slot until told to stop; `told` hears the status of each second."""
@@ -103,7 +114,7 @@ class Daemon:
         if self._recording is not None:
             self._recording.remember()
         if self._keeper is not None and self._keeper.begun:
-            self._tell(self._watch.note("learned", True, self._keeper.begun))
+            self.voice.tell(self._watch.note("learned", True, self._keeper.begun))
         second = 0
         chores: Iterator[None] = iter(())
         for slot in pace.slots():
@@ -116,7 +127,7 @@ class Daemon:
                 _finish(chores)
                 chores = self._each_second(told)
             next(chores, None)
-            self._hand_on()
+            self.voice.hand_on()
             self.health.end(time.monotonic_ns() - begun)
             if stopped():
                 break
@@ -124,14 +135,15 @@ class Daemon:
         self._take_in(slot, lambda: True, hold=False)
         _finish(chores)
         _finish(self._each_second(lambda _status: None))
-        self._hand_on()
+        self.voice.hand_on()
         if self._keeper is not None and self._seat.taken:
             self._keeper.save()
 
-    def stir(self) -> None:
-        """Do ahead of a slot what can be done before, so that less is left to do when it comes."""
-        self._inbox.look()
-        self._engine.estimator.rehearse()
+    def prepare(self, until_ns: int) -> None:
+        """Ahead of a slot, run what has come already: when it comes its estimates are ready to be told."""
+        begun = time.monotonic_ns()
+        self._made += self._run(lambda: time.monotonic_ns() < until_ns)
+        self.health.prepared(time.monotonic_ns() - begun)
 
     def _turn(self, slot: Slot) -> None:
         self._count_owed(slot)
@@ -141,23 +153,28 @@ class Daemon:
         self._seat.answer(self.status.SerializeToString, self._obey)
 
     def _take_in(self, slot: Slot, more: Callable[[], bool], *, hold: bool = True) -> None:
+        made, self._made = self._made, []
+        for each in chain(made, self._run(more, hold=hold)):
+            self._publish_tick(slot, each)
+
+    def _run(self, more: Callable[[], bool], *, hold: bool = True) -> Iterator[Made]:
+        """Run the ticks of what has come, while there is time for more."""
         for received in self._inbox.drain(more, hold=hold):
             if received.over_rate:
                 self._engine.intake.refuse_unread(received.topic)
                 continue
             if received.fault:
                 self.fault = f"{received.topic}: a sample {received.fault}"
-            self._record_received(received)
+            self.voice.record_received(received)
             for tick, estimate in self._engine.take(received.topic, received.sample):
-                tick.slot, tick.lateness_ns, tick.caught_up = slot.number, slot.lateness_ns, self._owed > 0
-                self._owed = max(self._owed - 1, 0)
-                self._publish_tick(tick, estimate)
+                looks = self.health.shedding.level < NO_PROFILE
+                yield Made(tick, estimate, self._profiler.look(estimate) if looks else None)
 
     def _obey(self, words: str) -> str:
         if self._recording is not None and (said := self._recording.obey(words)) is not None:
             return said
         done = obey(words, self._engine.intake.depths)
-        self._tell(self._watch.command(words))
+        self.voice.tell(self._watch.command(words))
         return done
 
     def _count_owed(self, slot: Slot) -> None:
@@ -168,30 +185,33 @@ class Daemon:
         elif slot.number > self._owed_until:
             self._owed = 0
 
-    def _publish_tick(self, tick: Tick, estimate: Estimate) -> None:
+    def _publish_tick(self, slot: Slot, made: Made) -> None:
+        tick, estimate, profile = made
+        tick.slot, tick.lateness_ns, tick.caught_up = slot.number, slot.lateness_ns, self._owed > 0
+        self._owed = max(self._owed - 1, 0)
         self.health.ticks += 1
         # For the estimate others wait; in a session it stands behind its tick.
-        estimated, ticked = self._send(BIT_ESTIMATE, estimate), self._send(SENSOR_TICK, tick)
-        self._record(SENSOR_TICK, ticked, tick.time_ns)
-        self._record(BIT_ESTIMATE, estimated, tick.time_ns)
+        estimated, ticked = self.voice.send(BIT_ESTIMATE, estimate), self.voice.send(SENSOR_TICK, tick)
+        self.voice.record(SENSOR_TICK, ticked, tick.time_ns)
+        self.voice.record(BIT_ESTIMATE, estimated, tick.time_ns)
         if estimate.HasField("now_bit_speed_rad_s"):
-            self._publish(BIT_SPEED, _as_sensor(estimate, "now_bit_speed", "rad_s"), tick.time_ns)
-            self._publish(BIT_TORQUE, _as_sensor(estimate, "now_bit_torque", "nm"), tick.time_ns)
+            self.voice.publish(BIT_SPEED, _as_sensor(estimate, "now_bit_speed", "rad_s"), tick.time_ns)
+            self.voice.publish(BIT_TORQUE, _as_sensor(estimate, "now_bit_torque", "nm"), tick.time_ns)
         for event in self._watch.tick(tick, estimate):
-            self._tell(event)
-        if self.health.shedding.level < NO_PROFILE and (profile := self._profiler.look(estimate)):
-            self._publish(STRING_PROFILE, profile, profile.time_ns)
+            self.voice.tell(event)
+        if profile is not None:
+            self.voice.publish(STRING_PROFILE, profile, profile.time_ns)
             if (over := self._watch.profile(profile)) is not None:
-                self._tell(over)
+                self.voice.tell(over)
         self.health.published += 1
 
     def _each_second(self, told: Callable[[Status], None]) -> Iterator[None]:
         """What is due once a second, in parts: together they would take longer than a slot at 1 kHz."""
         for note in self._recording.each_second() if self._recording is not None else ():
-            self._tell(self._watch.note(*note))
+            self.voice.tell(self._watch.note(*note))
         if words := self._seat.look():
-            self._outbox.muted = not self._seat.taken
-            self._tell(self._watch.note("seat", self._seat.taken, words))
+            self.voice.mute(not self._seat.taken)
+            self.voice.tell(self._watch.note("seat", self._seat.taken, words))
         if self._keeper is not None and self._seat.taken:
             self._keeper.each_second()
         self._read_again()
@@ -203,16 +223,16 @@ class Daemon:
         level = self.health.second()
         self._engine.intake.forecast_shed = level >= NO_FORECAST
         for event in self._watch.shedding(level):
-            self._tell(event)
+            self.voice.tell(event)
         for event in self._each_second_seen():
-            self._tell(event)
+            self.voice.tell(event)
         yield
         self.status = self.health.status(self._state(), self._recorder, self._keeper)
         yield
-        self._publish(SENSOR_STATUS, self.status, self.status.time_ns)
+        self.voice.publish(SENSOR_STATUS, self.status, self.status.time_ns)
         yield
         if description := self._describer.second():
-            self._publish(STRING_DESCRIPTION, description, description.time_ns)
+            self.voice.publish(STRING_DESCRIPTION, description, description.time_ns)
         told(self.status)
 
     def _read_again(self) -> None:
@@ -227,7 +247,7 @@ class Daemon:
                 rig, done = self._rig, f"refused: {error}"
                 achieve(rig.loop, self.health.realtime.others)
         self._rig = rig
-        self._tell(self._watch.note("configuration", True, f"the configuration was read again: {done}"))
+        self.voice.tell(self._watch.note("configuration", True, f"the configuration was read again: {done}"))
 
     def _each_second_seen(self) -> Iterator[Event]:
         yield from self._watch.second(self.health.severity, self.health.input_lost)
@@ -244,37 +264,6 @@ class Daemon:
         if self.health.ticks == 0:
             return "waiting for samples"
         return "running" if self._engine.warm else "warming up"
-
-    def news(self) -> list[Event]:
-        """The events since the last call."""
-        news, self._news = self._news, []
-        return news
-
-    def _tell(self, event: Event) -> None:
-        self._news.append(event)
-        self._publish(SENSOR_EVENT, event, event.time_ns)
-
-    def _publish(self, topic: str, message: Message, publish_time_ns: int) -> None:
-        self._record(topic, self._send(topic, message), publish_time_ns)
-
-    def _send(self, topic: str, message: Message) -> bytes:
-        begun = time.monotonic_ns()
-        data = self._outbox.put(topic, message)
-        self.health.publishes(time.monotonic_ns() - begun)
-        return data
-
-    def _record(self, topic: str, data: bytes, publish_time_ns: int) -> None:
-        if self._recorder is not None:
-            self._recorder.offer(topic, data, time.time_ns(), publish_time_ns)
-
-    def _record_received(self, received: Received) -> None:
-        if self._recorder is not None and received.sample is not None:
-            data = received.sample.SerializeToString()
-            self._recorder.offer(received.topic, data, received.received_ns, received.sample.time_ns)
-
-    def _hand_on(self) -> None:
-        if self._recorder is not None:
-            self._recorder.send()
 
 
 def _finish(chores: Iterator[None]) -> None:

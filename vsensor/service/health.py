@@ -61,6 +61,7 @@ class Health:
         self._input_age = Histogram()
         self._publish = Histogram()
         self._publishing_ns = 0
+        self._prepared_ns = 0
         self._worked_ns = 0
         self._second_ns = self._started_ns
         self.look_back()
@@ -88,8 +89,13 @@ class Health:
         """Note how long the bus took to take a message."""
         self._publishing_ns += ns
 
-    def end(self, work_ns: int) -> None:
-        """Note how long the turn's work took, and how much of it went into publishing."""
+    def prepared(self, work_ns: int) -> None:
+        """Note how long it took to prepare the slot that comes."""
+        self._prepared_ns = work_ns
+
+    def end(self, turn_ns: int) -> None:
+        """Note how long the slot's work took, its turn and before, and how much went into publishing."""
+        work_ns, self._prepared_ns = self._prepared_ns + turn_ns, 0
         self._work.note(work_ns)
         self._worked_ns += work_ns
         if self._publishing_ns:

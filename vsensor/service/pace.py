@@ -6,8 +6,12 @@ from typing import NamedTuple, Protocol
 
 from vsensor.grid import NS
 
-STIR_NS = 400_000
-"""A long sleep is broken so long before its end: a processor that was just at work wakes sooner."""
+LEAD_NS = 1_000_000
+"""So long before a slot it is prepared,"""
+LEAD_SHARE = 0.4
+"""and by no more of a slot;"""
+LEAST_LEAD_NS = 300_000
+"""where that is less than a tick may take, not at all."""
 
 
 class Clock(Protocol):
@@ -47,11 +51,16 @@ class Slot(NamedTuple):
 class Pace:
     """Slots at a fixed rate on an absolute grid; of those due at once, the last alone gets a turn."""
 
-    def __init__(self, rate_hz: float, clock: Clock, stir: Callable[[], object] | None = None) -> None:
-        """Where `stir` is given it is called shortly before each slot for which there is time."""
+    def __init__(self, rate_hz: float, clock: Clock, prepare: Callable[[int], object] | None = None) -> None:
+        """Where `prepare` is given it is called shortly before each slot for which there is time.
+
+        It gets a time halfway to the slot, after which it should begin nothing more. A processor that was
+        just at work wakes sooner, too.
+        """
         self._rate = rate_hz
         self._clock = clock
-        self._stir = stir
+        self._lead_ns = min(LEAD_NS, round(LEAD_SHARE * NS / rate_hz))
+        self._prepare = prepare if self._lead_ns >= LEAST_LEAD_NS else None
         self.start_ns = 0
         """Slot 0, by the clock."""
 
@@ -62,9 +71,10 @@ class Pace:
         while True:
             due = number + 1
             deadline = start + round(due * NS / self._rate)
-            if self._stir is not None and self._clock.now_ns() < deadline - 2 * STIR_NS:
-                self._clock.sleep_until(deadline - STIR_NS)
-                self._stir()
+            ahead = deadline - self._lead_ns
+            if self._prepare is not None and self._clock.now_ns() < ahead:
+                self._clock.sleep_until(ahead)
+                self._prepare(ahead + self._lead_ns // 2)
             self._clock.sleep_until(deadline)
             now = self._clock.now_ns()
             number = max(due, int((now - start) * self._rate / NS))

@@ -1,0 +1,62 @@
+"""What goes out of the daemon: to the bus, and as it went there into the session."""
+
+import time
+
+import zenoh
+
+from vsensor.bus import Outbox, Received
+from vsensor.config import Rig
+from vsensor.messages import SENSOR_EVENT, Event, Message
+from vsensor.service.health import Health
+from vsensor.service.recording import Recorder
+
+
+class Voice:
+    """Publishes, records, and keeps count of how long that takes."""
+
+    def __init__(self, session: zenoh.Session, rig: Rig, recorder: Recorder | None, health: Health) -> None:
+        self._outbox = Outbox(session, rig.prefix, reliable=False)
+        self._recorder = recorder
+        self._health = health
+        self._news: list[Event] = []
+
+    def mute(self, muted: bool) -> None:
+        """Whether another speaks: then nothing goes to the bus."""
+        self._outbox.muted = muted
+
+    def publish(self, topic: str, message: Message, publish_time_ns: int) -> None:
+        """Send a message and record it."""
+        self.record(topic, self.send(topic, message), publish_time_ns)
+
+    def send(self, topic: str, message: Message) -> bytes:
+        """Send a message; returns its bytes, to be recorded."""
+        begun = time.monotonic_ns()
+        data = self._outbox.put(topic, message)
+        self._health.publishes(time.monotonic_ns() - begun)
+        return data
+
+    def record(self, topic: str, data: bytes, publish_time_ns: int) -> None:
+        """Record what was sent."""
+        if self._recorder is not None:
+            self._recorder.offer(topic, data, time.time_ns(), publish_time_ns)
+
+    def record_received(self, received: Received) -> None:
+        """Record a sample as it came, where it could be read."""
+        if self._recorder is not None and received.sample is not None:
+            data = received.sample.SerializeToString()
+            self._recorder.offer(received.topic, data, received.received_ns, received.sample.time_ns)
+
+    def hand_on(self) -> None:
+        """Hand over to the recorder what this slot had for it."""
+        if self._recorder is not None:
+            self._recorder.send()
+
+    def tell(self, event: Event) -> None:
+        """Publish an event, and keep it for the log."""
+        self._news.append(event)
+        self.publish(SENSOR_EVENT, event, event.time_ns)
+
+    def news(self) -> list[Event]:
+        """The events since the last call."""
+        news, self._news = self._news, []
+        return news
