@@ -13,7 +13,7 @@ from vsensor.service.engine import Engine
 
 WARM_S = 4.0
 """The short rig has answers by then."""
-READINGS = simulated(40)
+READINGS = simulated(90)
 BIT_TIME_S = np.array([reading.bit_time_s for reading in READINGS])
 BIT_SPEED = np.array([reading.bit_speed for reading in READINGS])
 
@@ -44,7 +44,7 @@ class LiveRig:
             time.sleep(0.002)
 
     def _send_one(self) -> None:
-        sent = samples(READINGS[self._number : self._number + 1], self.begun_ns, self._number)
+        sent = samples([READINGS[self._number]], self.begun_ns, self._number)
         for topic, sample in sent:
             self._outbox.put(topic, sample)
         self.sent += sent

@@ -50,12 +50,15 @@ def far(folder: Path, cache: int) -> Iterator[Far]:
         yield Far(sensor, wire, near, LiveRig(Outbox(session, SHORT.prefix, reliable=True, cache=cache)))
 
 
-def test_over_a_cut_that_the_rigs_cache_reaches_estimates_are_as_if_there_were_none(tmp_path: Path) -> None:
+@pytest.mark.parametrize("cut_s", [2, 60])
+def test_over_a_cut_that_the_rigs_cache_reaches_estimates_are_as_if_there_were_none(
+    tmp_path: Path, cut_s: int
+) -> None:
     """One channel's backlog comes before the other's: that is no silence of the other."""
     with far(tmp_path, SURFACE_CACHE) as end:
         end.rig.live(WARM_S)
         end.wire.cut()
-        end.rig.live(3)
+        end.rig.live(cut_s)
         end.wire.mend()
         end.rig.live(3)
         status = end.settled()
