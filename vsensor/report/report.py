@@ -1,4 +1,4 @@
-"""A session's report put together: gathered once, told in words, drawn."""
+"""A session's report put together: read twice, told in words, drawn."""
 
 from pathlib import Path
 
