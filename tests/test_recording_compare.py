@@ -86,6 +86,29 @@ def test_it_makes_no_difference_in_which_blocks_they_are_compared(monkeypatch: p
     assert parts.rms == pytest.approx(whole.rms, rel=1e-12)
 
 
+@pytest.mark.parametrize("silent", ["recorded", "now"])
+def test_of_a_run_that_falls_silent_nothing_is_waited_for(
+    silent: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All that one answered would be held, and put in order again with each tick."""
+    monkeypatch.setattr(compare, "BLOCK", 100)
+    monkeypatch.setattr(compare, "CARRIED", 20)
+    comparison, held = Comparison(2000), []
+    for k in range(2000):
+        mute = Estimate(number=k, time_ns=estimate(k, 0.0).time_ns)
+        told = estimate(k, wave(k))
+        spoken = 500 <= k < 800
+        pair = (mute, told) if silent == "recorded" else (told, mute)
+        comparison.see((told, told) if spoken else pair)
+        track = comparison._tracks[0]
+        held.append(len(track._recorded.rows) + len(track._now.rows))
+    comparison.finish()
+    change = comparison.changes[0]
+    assert max(held) <= 2 * (100 + 20)
+    assert change.compared >= 300
+    assert change.largest == pytest.approx(0.0, abs=1e-9)
+
+
 def test_a_clock_that_was_set_back_mixes_nothing() -> None:
     first = [(estimate(n, 1.0), estimate(n, 1.0)) for n in range(100)]
     second = [(estimate(n, 5.0), estimate(n, 5.0)) for n in range(100)]

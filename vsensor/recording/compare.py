@@ -121,7 +121,7 @@ class _Track:
     def add(self, pair: Pair, begun_ns: int) -> None:
         self._recorded.add(self.change.quantity, pair[0])
         self._now.add(self.change.quantity, pair[1])
-        if len(self._recorded.rows) >= BLOCK + CARRIED:
+        if max(len(self._recorded.rows), len(self._now.rows)) >= BLOCK + CARRIED:
             self.compare(begun_ns, last=False)
 
     def compare(self, begun_ns: int, *, last: bool) -> None:
@@ -138,6 +138,8 @@ class _Track:
             self.change.std_recorded += factor * float(stds[within].sum())
             self.change.std_now += factor * float(np.interp(at, now_at, now_stds).sum())
             self._recorded.rows = self._recorded.rows[int(np.searchsorted(time_ns, now_ns[-1], "right")) :]
+        # Where one of the runs has fallen silent, the other's answers do not wait for it for ever.
+        self._recorded.rows = self._recorded.rows[-CARRIED:]
         self._now.rows = self._now.rows[-CARRIED:]
         if last:
             self._recorded.rows.clear()
