@@ -36,7 +36,9 @@ def say(sensor: Daemon, *words: str) -> tuple[int, str]:
 
 
 def depth(rig: Post, topic: str, metres: float) -> None:
-    rig.send([(topic, Sample(time_ns=time.time_ns(), value=metres))])
+    """For long enough to be believed."""
+    now_ns = time.time_ns()
+    rig.send([(topic, Sample(time_ns=now_ns - back * NS, value=metres)) for back in (3, 2, 1, 0)])
 
 
 def answers(session: Session) -> list[bytes]:
@@ -66,7 +68,7 @@ def test_commands_and_depths_reach_the_ticks_and_a_session_of_them_is_exact(tmp_
             depth(rig, SURFACE_HOLE_DEPTH, LENGTH + 28)
             rig.send(good[8 * RATE : 12 * RATE])
             wait_until(lambda: ("off_bottom", False) in rig.events, "word that the bit is on bottom")
-            depth(rig, SURFACE_BIT_DEPTH, LENGTH + 20)
+            depth(rig, SURFACE_BIT_DEPTH, LENGTH + 25)
             rig.send(good[12 * RATE :])
             wait_until(lambda: rig.events.count(("off_bottom", True)) == 2, "word of the lifted bit")
             status = rig.await_status(lambda told: told.off_bottom, "a status off bottom")

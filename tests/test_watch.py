@@ -8,6 +8,7 @@ import pytest
 from tests.strings import PIPE, rig
 from vsensor.depth import Depths
 from vsensor.estimator.figures import STUCK_SPEED
+from vsensor.grid import NS
 from vsensor.messages import SURFACE_BIT_DEPTH, Estimate, Event, Profile, Sample, Tick
 from vsensor.messages.vsensor_pb2 import BAD, GOOD
 from vsensor.service.watch import RELIEVED, STANDING_S, STUCK_S, Condition, Watch
@@ -223,8 +224,17 @@ def test_each_correction_of_the_configuration_is_told_once() -> None:
 
 def test_depths_that_do_not_fit_the_string_are_told() -> None:
     watching, depths = Watch(SMALL), Depths(SMALL)
-    depths.take(SURFACE_BIT_DEPTH, Sample(value=9000.0))
-    event = watching.depths(depths)
-    assert event is not None
+    for second in range(5):
+        depths.take(SURFACE_BIT_DEPTH, Sample(time_ns=second * NS, value=9000.0))
+    (event,) = watching.depths(depths, False)
     assert (event.name, event.begins) == ("depths_at_odds", True)
     assert event.text.endswith("the string is 1500.0 m long")
+
+
+def test_silent_depths_are_told_and_their_return() -> None:
+    watching, depths = Watch(SMALL), Depths(SMALL)
+    told = [event for silent in (False, True, True, False) for event in watching.depths(depths, silent)]
+    assert [(event.name, event.begins) for event in told] == [
+        ("depths_silent", True),
+        ("depths_silent", False),
+    ]

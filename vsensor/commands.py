@@ -49,8 +49,7 @@ def obey(words: str, depths: Depths) -> str:
     if plain in _BIT:
         depths.command(_BIT[plain])
         return f"the bit is held to be {plain}" if _BIT[plain] is not None else "the depths decide"
-    if not depths.lengthen(_longer_by(words)):
-        raise ValueError(f"the string is {depths.length:.1f} m long: no pipe would be left of it")
+    depths.lengthen(_longer_by(words))
     return f"the string is now {depths.length:.1f} m long"
 
 
@@ -59,6 +58,8 @@ class Undo:
 
     def __init__(self) -> None:
         self._longer = Fraction(0)
+        self._step = 0.0
+        """The most that one command changed the length by: more at a time may be refused."""
         self._about_bit = False
 
     def note(self, words: str) -> None:
@@ -67,14 +68,21 @@ class Undo:
             self._about_bit = True
             return
         with contextlib.suppress(ValueError):
-            self._longer += Fraction(_longer_by(words))
+            metres = _longer_by(words)
+            self._longer += Fraction(metres)
+            self._step = max(self._step, abs(metres))
 
     def words(self) -> list[str]:
         """What to tell the sensor to have it as before, and forget them. The bit is left to the depths."""
-        longer, about_bit = float(self._longer), self._about_bit
-        self._longer, self._about_bit = Fraction(0), False
-        back = [f"{'shorter' if longer > 0 else 'longer'} {abs(longer)!r} m"] if longer else []
-        return back + (["by depths"] if about_bit else [])
+        verb, left = "shorter" if self._longer > 0 else "longer", abs(self._longer)
+        back = []
+        while metres := min(float(left), self._step):
+            back.append(f"{verb} {metres!r} m")
+            left -= Fraction(metres) if metres == self._step else left
+        if self._about_bit:
+            back.append("by depths")
+        self._longer, self._step, self._about_bit = Fraction(0), 0.0, False
+        return back
 
 
 def _about_bit(words: str) -> str:

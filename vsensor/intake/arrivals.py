@@ -219,7 +219,7 @@ class _Stretch(NamedTuple):
             self.torque.at(time_ns),
             self.speed.at(time_ns),
             np.zeros(count, np.uint32),
-            np.full(count, intake.depths.off_bottom),
+            intake.depths.off_bottom_at(time_ns),
             np.zeros(count),
             np.full(count, intake.forecast_shed),
         )

@@ -116,6 +116,16 @@ class Intake:
         return list(self._ready())
 
     @property
+    def off_bottom(self) -> bool:
+        """Whether the bit was held to be off bottom at the newest tick, or is told to be at the first."""
+        return self.depths.off_bottom(self._consumed_ns or 0)
+
+    @property
+    def depths_silent(self) -> bool:
+        """Whether, at the newest tick, a channel that has told a depth tells none any longer."""
+        return self._consumed_ns is not None and self.depths.silent(self._consumed_ns)
+
+    @property
     def is_laid(self) -> bool:
         """Whether there is a grid: both channels have spoken."""
         return self._anchor_ns is not None
@@ -213,7 +223,7 @@ class Intake:
             torque[0],
             speed[0],
             reasons,
-            self.depths.off_bottom,
+            self.depths.off_bottom(time_ns),
             longer_by,
             self.forecast_shed,
         )

@@ -60,6 +60,7 @@ GAUGES = {
     "forecast_horizon_s": ("forecast_horizon_seconds", "How far ahead the bit is foretold."),
     "string_length_m": ("string_length_meters", "Length of the string."),
     "off_bottom": ("off_bottom", "Whether the bit is held to be off bottom."),
+    "depths_silent": ("depths_silent", "Whether a depth channel that has spoken is silent."),
     "rock_std_nm": (
         "rock_torque_std_newton_meters",
         "Standard deviation of the bit's torque about the load law.",

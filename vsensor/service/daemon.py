@@ -253,8 +253,7 @@ class Daemon:
         yield from self._watch.second(self.health.severity, self.health.input_lost)
         if event := self._watch.corrections(*self._engine.estimator.tuning.tolist()):
             yield event
-        if event := self._watch.depths(self._engine.intake.depths):
-            yield event
+        yield from self._watch.depths(self._engine.intake.depths, self._engine.intake.depths_silent)
 
     def _state(self) -> str:
         if not self._seat.taken:

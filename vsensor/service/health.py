@@ -211,7 +211,8 @@ class Health:
         (status.torque_offset_nm, status.torque_offset_std_nm) = next(corrections)
         status.string_length_m = self._engine.intake.depths.length
         status.depths_refused = self._engine.intake.depths.refused
-        status.off_bottom = self._engine.intake.depths.off_bottom
+        status.off_bottom = self._engine.intake.off_bottom
+        status.depths_silent = self._engine.intake.depths_silent
         status.rock_std_nm = estimator.rock_std
         status.bandwidth_hz = estimator.bandwidth
         for ahead, speed, torque in estimator.skill.tolist():

@@ -62,7 +62,7 @@ class Watch:
             "a component bears more torque than it may: ",
             "no component bears more torque than it may: ",
         )
-        self._off_bottom = Condition("off_bottom", "the bit is off bottom", "the bit is on bottom")
+        self._off_bottom = Condition("off_bottom", "the bit is off bottom", "the bit is held to be on bottom")
         self._connection = Condition(
             "connection", "the string stands still, as for a connection", "the string turns again"
         )
@@ -70,6 +70,11 @@ class Watch:
             "depths_at_odds",
             "the bit's depth and the string's length differ by more than a connection could: ",
             "the bit's depth and the string's length agree again: ",
+        )
+        self._depths_silent = Condition(
+            "depths_silent",
+            "a depth channel is silent, or its clock is apart: the bit is held to be on bottom unless told",
+            "the depths are told again",
         )
         self._no_profile = Condition(
             "profile_shed",
@@ -187,7 +192,11 @@ class Watch:
         """An event of the present, in somebody's words."""
         return Event(time_ns=self._last_ns, name=name, begins=begins, text=text)
 
-    def depths(self, depths: Depths) -> Event | None:
-        """Look at the depths: do they fit the string?"""
+    def depths(self, depths: Depths, silent: bool) -> list[Event]:
+        """Look at the depths: are they told, and do they fit the string?"""
         details = f"the string is {depths.length:.1f} m long"
-        return self._depths.see(depths.at_odds, self._last_ns, details)
+        seen = (
+            self._depths.see(depths.at_odds, self._last_ns, details),
+            self._depths_silent.see(silent, self._last_ns),
+        )
+        return [event for event in seen if event is not None]

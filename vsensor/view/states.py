@@ -15,6 +15,7 @@ CONDITIONS: Mapping[str, Colour] = {
     "stick_slip": VERMILION,
     "over_torque": VERMILION,
     "depths_at_odds": YELLOW,
+    "depths_silent": YELLOW,
     "off_bottom": BLUE,
     "connection": BLUE,
     "recording": GREEN,
