@@ -35,10 +35,9 @@ def say(sensor: Daemon, *words: str) -> tuple[int, str]:
     return result.exit_code, result.output
 
 
-def depth(rig: Post, topic: str, metres: float) -> None:
-    """For long enough to be believed."""
-    now_ns = time.time_ns()
-    rig.send([(topic, Sample(time_ns=now_ns - back * NS, value=metres)) for back in (3, 2, 1, 0)])
+def depth(rig: Post, topic: str, metres: float, time_ns: int) -> None:
+    """Told for long enough to be believed at this time."""
+    rig.send([(topic, Sample(time_ns=time_ns - back * NS, value=metres)) for back in (3, 2, 1, 0)])
 
 
 def answers(session: Session) -> list[bytes]:
@@ -54,7 +53,8 @@ def commands(session: Session) -> list[Event]:
 def test_commands_and_depths_reach_the_ticks_and_a_session_of_them_is_exact(tmp_path: Path) -> None:
     with daemon(SHORT, free_bus(), tmp_path) as sensor:
         with post(sensor) as rig:
-            good = samples(simulated(8), time.time_ns())
+            begun_ns = time.time_ns()
+            good = samples(simulated(8), begun_ns)
             rig.send(good[: 4 * RATE])
             assert say(sensor, "off", "bottom") == (0, "the bit is held to be off bottom\n")
             assert say(sensor, "longer", "30 m") == (0, f"the string is now {LENGTH + 30:.1f} m long\n")
@@ -64,11 +64,11 @@ def test_commands_and_depths_reach_the_ticks_and_a_session_of_them_is_exact(tmp_
             rig.send(good[4 * RATE : 8 * RATE])
             wait_until(lambda: ("string_changed", True) in rig.events, "word of the longer string")
             assert say(sensor, "by", "depths")[0] == 0
-            depth(rig, SURFACE_BIT_DEPTH, LENGTH + 28)
-            depth(rig, SURFACE_HOLE_DEPTH, LENGTH + 28)
+            depth(rig, SURFACE_BIT_DEPTH, LENGTH + 28, begun_ns + 4 * NS)
+            depth(rig, SURFACE_HOLE_DEPTH, LENGTH + 28, begun_ns + 4 * NS)
             rig.send(good[8 * RATE : 12 * RATE])
             wait_until(lambda: ("off_bottom", False) in rig.events, "word that the bit is on bottom")
-            depth(rig, SURFACE_BIT_DEPTH, LENGTH + 25)
+            depth(rig, SURFACE_BIT_DEPTH, LENGTH + 25, begun_ns + 6 * NS)
             rig.send(good[12 * RATE :])
             wait_until(lambda: rig.events.count(("off_bottom", True)) == 2, "word of the lifted bit")
             status = rig.await_status(lambda told: told.off_bottom, "a status off bottom")
