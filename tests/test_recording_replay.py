@@ -187,12 +187,13 @@ def test_each_lap_of_a_loop_begins_with_the_string_and_the_bit_as_they_were(rig:
     path = tmp_path / "c.mcap"
     write(path, 100, events={20: "longer 28.5 m", 30: "off bottom", 40: "nonsense", 60: "longer 1000 cm"})
     with replay(rig, path, "--commands", "--loop", "--speed", "4") as player:
-        rig.until(lambda: len(rig.told) >= 7)
+        rig.until(lambda: len(rig.told) >= 8)
         player.send_signal(signal.SIGINT)
         player.communicate(timeout=30)
-    assert rig.told[:7] == [
+    assert rig.told[:8] == [
         *("40 longer 28.5 m", "60 off bottom", "120 longer 1000 cm"),
-        *("200 shorter 38.5 m", "200 by depths"),
+        # By no more at a time than was obeyed: a sensor refuses what is no connection.
+        *("200 shorter 28.5 m", "200 shorter 10.0 m", "200 by depths"),
         *("240 longer 28.5 m", "260 off bottom"),
     ]
 
