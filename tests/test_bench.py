@@ -25,7 +25,7 @@ from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.kernel import CONFIRMED
 from vsensor.messages import Tick
 from vsensor.view.batches import Measured
-from vsensor.view.recording import send
+from vsensor.view.sink import send
 
 needs_c = pytest.mark.skipif(compiler() is None, reason=NO_COMPILER)
 SHORT_S = 0.01

@@ -9,7 +9,7 @@ import rerun.blueprint as rrb
 from vsensor.view.batches import Batch
 from vsensor.view.blueprint import USUAL, Reach
 from vsensor.view.place import Place, ViewError
-from vsensor.view.recording import send
+from vsensor.view.sink import send
 
 _LIVE_MEMORY = "64MB"
 """What a viewer that comes late is told: some minutes; the oldest goes first.
