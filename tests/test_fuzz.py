@@ -6,9 +6,11 @@ test_config_faults, test_recording_torn.
 
 import json
 import math
+import struct
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.csv as arrow_csv
 import pyarrow.parquet as arrow_parquet
@@ -17,15 +19,17 @@ from google.protobuf.message import DecodeError
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.rigs import SHORT, samples, simulated
 from tests.test_intake import BEGUN, MS, SMALL, S, T
 from vsensor.checkpoint import remembered, take_up, whole
 from vsensor.commands import obey
 from vsensor.depth import Depths
 from vsensor.errors import InputError
-from vsensor.estimator.estimator import Estimator
+from vsensor.estimator.estimator import LENGTH, Estimator
 from vsensor.intake import Intake
 from vsensor.messages import Sample, State
 from vsensor.messages.topics import _TYPES, Message
+from vsensor.service.engine import Engine
 from vsensor.tables.surface import read_surface
 from vsensor.view.stream import Stream
 
@@ -151,6 +155,56 @@ def test_a_state_that_does_not_fit_is_refused(
         take_up(state, Intake(SMALL), estimator)
     except ValueError:
         return
+
+
+@pytest.fixture(scope="module")
+def drilling() -> bytes:
+    """Remembered while all is learned, just before the configuration is corrected."""
+    readings = simulated(24.5)
+    engine = Engine(SHORT)
+    for topic, sample in samples(readings):
+        list(engine.take(topic, sample))
+    return whole(*remembered(engine.intake, engine.estimator)).SerializeToString()
+
+
+@pytest.fixture(scope="module")
+def other() -> Estimator:
+    return Estimator(SHORT)
+
+
+numbers = st.one_of(
+    st.binary(min_size=8, max_size=8),
+    st.floats().map(lambda value: struct.pack("<d", value)),
+    st.sampled_from([0.0, 1e-300, -1e-9, 1e12, -1e12]).map(lambda value: struct.pack("<d", value)),
+    st.one_of(st.integers(-2, 3000), st.integers(-(1 << 63), (1 << 63) - 1)).map(
+        lambda value: struct.pack("<q", value)
+    ),
+)
+
+
+@given(data=st.data())
+def test_a_state_of_other_numbers_is_refused_or_can_be_gone_on_with(
+    drilling: bytes, other: Estimator, data: st.DataObject
+) -> None:
+    """Of the right names, types and shapes, and harmful all the same: no kernel looks where it should not."""
+    state = State.FromString(drilling)
+    arrays = {array.name: array for array in state.arrays if array.name != LENGTH}  # lays all out anew
+    for name in data.draw(st.lists(st.sampled_from(sorted(arrays)), min_size=1, max_size=3)):
+        array = arrays[name]
+        held = bytearray(array.data)
+        many = data.draw(st.booleans())
+        for place in data.draw(st.lists(st.integers(0, len(held) // 8 - 1), min_size=1, max_size=4)):
+            number = data.draw(numbers)
+            held[8 * place :] = number * (len(held) // 8 - place) if many else number + held[8 * place + 8 :]
+        array.data = bytes(held)
+    try:
+        take_up(state, Intake(SHORT), other)
+    except ValueError:
+        return
+    for _ in range(50):
+        values, _reasons = other.step(3e3, 9.0)
+        assert not np.isinf(values).any()
+    other.profile()
 
 
 @given(st.sampled_from(sorted(_TYPES)), st.binary())

@@ -16,6 +16,7 @@ from vsensor.estimator.model import model_of, timed, with_length
 from vsensor.estimator.observe import shift_torque
 from vsensor.estimator.responses import TOLD_BIT_SPEED, TOLD_TOP_SPEED
 from vsensor.estimator.sections import Floats, cut, junction_depths, steps_per_tick
+from vsensor.estimator.sound import refuse_unsound
 from vsensor.estimator.state import LEARNED, NONE, Model, State, fill, flat, fresh, heard, is_learned
 from vsensor.estimator.tare import correct_by_tare
 from vsensor.estimator.tune import DELAY, EVERY_S, INERTIA, OFFSET, correct_delay, tuned
@@ -127,7 +128,11 @@ class Estimator(Known):
     def _filled(self, saved: Mapping[str, NDArray[np.generic]], expected: Set[str]) -> State:
         """A new state with what was saved, the string as long as it was then."""
         if saved.keys() != expected:
-            raise ValueError(f"the saved state holds {sorted(saved)}, not {sorted(expected)}")
+            missing, unknown = sorted(expected - saved.keys()), sorted(saved.keys() - expected)
+            raise ValueError(
+                f"the saved state lacks {', '.join(missing) or 'nothing'}, "
+                f"and holds {', '.join(unknown) or 'nothing'} unknown to this version"
+            )
         length = saved[LENGTH]
         if length.shape != (1,) or not 0 < length[0] <= LONGEST_M:
             raise ValueError(f"the saved topmost component is {length} m long")
@@ -136,6 +141,7 @@ class Estimator(Known):
         state = self._new()
         try:
             fill(state, {name: array for name, array in saved.items() if name != LENGTH})
+            refuse_unsound(self._configured, self._rig.tuning, state)
         except ValueError:
             self._relay(before)
             raise

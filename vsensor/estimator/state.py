@@ -29,6 +29,8 @@ NEXT, END, TOLD = range(3)
 are not themselves in it."""
 NONE = -1
 """There is no such march."""
+NEVER = -(1 << 62)
+"""When a flag was seen that has not been raised."""
 LEARNED = ("scores", "learned", "tuning", "rock_square", "level")
 """What stays when the waves are lost: these, and all within them."""
 
@@ -131,7 +133,7 @@ class State(NamedTuple):
     ticks: Integers
     """Ticks done, and the tick at which the waves were laid last, shape (2,)."""
     last_seen: Integers
-    """The last tick at which each flag was raised, shape (FLAGS,)."""
+    """The last tick at which each flag was raised, or NEVER, shape (FLAGS,)."""
     learned: Learned
     """The load law and what it was learned from."""
     scores: Scores
@@ -223,7 +225,7 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
         rock_square=np.array([model.gains.levels[level] ** 2]),
         level=np.array([level]),
         ticks=np.zeros(2, np.int64),
-        last_seen=np.full(FLAGS, -(1 << 62), np.int64),
+        last_seen=np.full(FLAGS, NEVER, np.int64),
         learned=fresh_law(bit),
         scores=fresh_scores(ahead // model.steps + model.lag + 2, model.rate),
         tuning=fresh_tuning(settings, model.passed),
