@@ -17,9 +17,10 @@ from typer.testing import CliRunner
 from tests.daemons import Daemon, Post, daemon, post, wait_until
 from tests.rigs import RATE, SHORT, samples, simulated
 from vsensor.cli.main import app
-from vsensor.cli.panel import Panel
+from vsensor.cli.panel import STYLES, Panel
 from vsensor.config import Bus
 from vsensor.messages import ChannelStatus, Estimate, Event, Status
+from vsensor.messages.states import STATES
 from vsensor.messages.vsensor_pb2 import UNCERTAIN
 from vsensor.quality import Reason
 
@@ -34,6 +35,10 @@ def test_the_page_of_a_sensor_that_has_said_nothing_yet() -> None:
     text = page(Panel(Status(rig="a", state="starting")))
     assert "a  starting" in text
     assert "nothing is recorded" in text
+
+
+def test_each_state_has_its_colour() -> None:
+    assert set(STYLES) == set(STATES)
 
 
 def test_the_page_tells_what_is_wrong() -> None:

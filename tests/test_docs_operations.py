@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from vsensor.messages.books import REFUSALS
-from vsensor.metrics.families import STATES
+from vsensor.messages.states import STATES
 from vsensor.quality import Quality, Reason, verdict
 
 ROOT = Path(__file__).parent.parent

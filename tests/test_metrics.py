@@ -10,14 +10,17 @@ import subprocess
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
 
 from tests.daemons import wait_until
+from tests.strings import PIPE, rig
 from vsensor.config import Metrics
-from vsensor.messages import ChannelStatus, Status
+from vsensor.intake import Intake
+from vsensor.messages import SURFACE_TORQUE, ChannelStatus, Sample, Status
 from vsensor.messages.vsensor_pb2 import Histogram, Skill
 from vsensor.metrics.exporter import Exporter, MetricsError
 from vsensor.metrics.families import COUNTERS, GAUGES, HISTOGRAMS, families
@@ -84,7 +87,7 @@ def test_a_status_is_served_as_metrics_and_its_state_as_probes(metrics: Metrics,
     assert told["vsensor_state{rig=a,state=input lost}"] == 0
     assert told["vsensor_samples_total{channel=surface/torque,outcome=accepted,rig=a}"] == 5
     assert told["vsensor_samples_total{channel=surface/torque,outcome=late,rig=a}"] == 2
-    assert told["vsensor_samples_lost_total{channel=surface/torque,rig=a}"] == 1
+    assert told["vsensor_samples_lost{channel=surface/torque,rig=a}"] == 1
     assert exporter.tell(Status(rig="a", state="input lost"))
     wait_until(lambda: get(metrics, "/readyz") == (503, "input lost\n"), "unreadiness")
     assert get(metrics, "/livez")[0] == 200
@@ -113,6 +116,26 @@ def _exposed() -> Iterator[str]:
     registry = CollectorRegistry()
     registry.register(Once())
     yield generate_latest(registry).decode()
+
+
+def test_no_counter_goes_down_where_a_sample_that_was_missed_comes_late() -> None:
+    """To Prometheus a counter that falls has begun anew, and all that it says is counted again."""
+    intake, told = Intake(rig(PIPE)), []
+    for sequence in (0, 1, 3, 2, 4):
+        intake.take(SURFACE_TORQUE, Sample(time_ns=sequence, value=1.0, sequence=sequence))
+        status = Status(rig="a", state="running", channels=[c.counts for c in intake.channels.values()])
+        told.append(
+            {
+                f"{sample.name}{{{_labels(sample.labels)}}}": sample.value
+                for family in families(status)
+                if family.type == "counter"
+                for sample in family.samples
+            }
+        )
+    assert [counts.lost for counts in status.channels] == [0, 0]
+    assert told[0]
+    for before, after in pairwise(told):
+        assert all(after[name] >= value for name, value in before.items())
 
 
 def test_what_a_status_does_not_tell_is_no_metric() -> None:

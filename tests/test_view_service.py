@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from tests.view_rig import BEGUN_NS, status, tick
 from vsensor.messages import Message, Status
+from vsensor.messages.books import REFUSALS
 from vsensor.view.batches import Batch, Page, Points
 from vsensor.view.service import Service
 
@@ -66,6 +67,13 @@ def test_losses_are_drawn_second_by_second() -> None:
     assert line["/losses/refused"] == [2, 0]
     assert line["/losses/skipped"] == [0, 2]
     assert line["/losses/unrecorded"] == [0, 4]
+
+
+def test_whatever_is_refused_is_drawn_as_refused() -> None:
+    for reason in REFUSALS:
+        before = getattr(later(0).channels[0], reason)
+        line = values(drawn(later(0), later(1, **{reason: before + 3})))
+        assert line["/losses/refused"] == [3], reason
 
 
 def test_a_daemon_that_began_anew_has_lost_nothing_of_the_ones_before() -> None:

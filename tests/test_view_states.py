@@ -4,6 +4,7 @@ import pytest
 
 from tests.view_rig import BEGUN_NS, DELAY_NS, estimate, profile, status, stuck
 from vsensor.messages import Estimate, Event, Message, Profile, Status
+from vsensor.messages.states import STATES
 from vsensor.messages.vsensor_pb2 import BAD, UNCERTAIN
 from vsensor.quality import Reason
 from vsensor.view.batches import Lane, LaneLook
@@ -115,6 +116,11 @@ def test_a_verdict_of_a_newer_daemon_is_not_trusted() -> None:
 def test_a_change_of_the_sensors_state_is_drawn_once() -> None:
     seen = lanes(status("warming up"), status("warming up"), status("running"), status("input lost"))
     assert [state for _, state in seen["/sensor/state"]] == ["warming up", "running", "input lost"]
+
+
+def test_each_state_of_the_sensor_has_its_colour() -> None:
+    seen = lanes(*map(status, STATES))  # lanes() looks for the colours
+    assert [state for _, state in seen["/sensor/state"]] == list(STATES)
 
 
 def test_an_event_is_drawn_from_its_begin_to_its_end() -> None:

@@ -12,6 +12,7 @@ from rich.text import Text
 
 from vsensor.messages import Estimate, Event, Message, Status
 from vsensor.messages.books import REFUSALS, refused
+from vsensor.messages.states import INPUT_LOST, RUNNING, STANDING_BY, STARTING, WAITING, WARMING_UP
 from vsensor.quality import Quality, Reason
 from vsensor.units import factor
 
@@ -21,10 +22,12 @@ SILENCE_S = 3.0
 EVENTS = 6
 """The newest are shown."""
 STYLES = {
-    "running": "bold green",
-    "waiting for samples": "yellow",
-    "warming up": "yellow",
-    "input lost": "bold red",
+    STARTING: "yellow",
+    STANDING_BY: "green",
+    WAITING: "yellow",
+    WARMING_UP: "yellow",
+    RUNNING: "bold green",
+    INPUT_LOST: "bold red",
 }
 QUALITIES = {Quality.GOOD: "green", Quality.UNCERTAIN: "yellow", Quality.BAD: "red"}
 SHED = ("nothing", "the profile", "profile and forecast")

@@ -5,10 +5,9 @@ from collections.abc import Iterable
 from structlog.typing import FilteringBoundLogger
 
 from vsensor.messages import Event, Status
-from vsensor.messages.books import REFUSALS
+from vsensor.messages.books import LOSSES
+from vsensor.messages.states import AS_IT_SHOULD
 from vsensor.recording.recorder import Recorder
-
-GOOD_STATES = ("waiting for samples", "warming up", "running")
 
 
 class Teller:
@@ -27,7 +26,7 @@ class Teller:
             self._log.info(event.name, begins=event.begins, text=event.text)
         if status.state != self._state:
             self._state = status.state
-            say = self._log.info if status.state in GOOD_STATES else self._log.warning
+            say = self._log.info if status.state in AS_IT_SHOULD else self._log.warning
             say("state", state=status.state)
         self._tell_of_recorder()
         for what, count in _losses(status).items():
@@ -48,7 +47,6 @@ def _losses(status: Status) -> dict[str, int]:
     losses = {"turns skipped": status.slots_skipped, "not recorded": status.recorder_dropped}
     losses["depths refused"] = status.depths_refused
     for channel in status.channels:
-        losses[f"{channel.channel} lost"] = channel.lost
-        for reason in REFUSALS:
-            losses[f"{channel.channel} {reason.replace('_', ' ')}"] = getattr(channel, reason)
+        for what in LOSSES:
+            losses[f"{channel.channel} {what.replace('_', ' ')}"] = getattr(channel, what)
     return losses

@@ -15,6 +15,10 @@ REFUSALS = (
 """The reasons, as fields of ChannelStatus: received = accepted + the sum of these."""
 
 
+LOSSES = ("lost", *REFUSALS)
+"""All that may happen to a sample and should not: a number that never came, and the reasons."""
+
+
 def refused(channel: ChannelStatus) -> int:
     """How many samples of a channel were refused."""
     return sum(getattr(channel, reason) for reason in REFUSALS)

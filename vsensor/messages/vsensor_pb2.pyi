@@ -910,7 +910,7 @@ class Status(_message.Message):
     rig: _builtins.str
     version: _builtins.str
     state: _builtins.str
-    """starting, waiting for samples, warming up, running, input lost"""
+    """starting, standing by, waiting for samples, warming up, running, input lost"""
     uptime_s: _builtins.float
     rate_hz: _builtins.float
     slots_due: _builtins.int

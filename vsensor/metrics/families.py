@@ -13,9 +13,8 @@ from prometheus_client.core import (
 
 from vsensor.messages import Status
 from vsensor.messages.books import REFUSALS
+from vsensor.messages.states import STATES
 from vsensor.messages.vsensor_pb2 import Histogram
-
-STATES = ("starting", "waiting for samples", "warming up", "running", "input lost")
 
 # Field of the status → name without `vsensor_`, and what it is.
 COUNTERS = {
@@ -150,7 +149,12 @@ def _channels(status: Status) -> Iterator[Metric]:
     samples = CounterMetricFamily(
         "vsensor_samples", "Samples received, by what became of them.", labels=[*labels, "outcome"]
     )
-    lost = CounterMetricFamily("vsensor_samples_lost", "Holes in the sequence of samples.", labels=labels)
+    # No counter: a sample that only comes late is no loss any longer.
+    lost = GaugeMetricFamily(
+        "vsensor_samples_lost",
+        "Samples since the start of which only a hole in the sequence tells.",
+        labels=labels,
+    )
     age = GaugeMetricFamily("vsensor_sample_age_seconds", "Since the last accepted sample.", labels=labels)
     for channel in status.channels:
         of = [status.rig, channel.channel]

@@ -19,6 +19,7 @@ from prometheus_client.core import Metric
 from prometheus_client.registry import Collector
 
 from vsensor.messages import Status
+from vsensor.messages.states import RUNNING, STARTING
 from vsensor.metrics.exporter import READY, WORD_BYTES
 from vsensor.metrics.families import families
 
@@ -50,7 +51,7 @@ class Newest(Collector):
     @property
     def state(self) -> str:
         """What the daemon does, in its own words."""
-        return (self._status.state or "starting") if self.alive else "the loop does not turn"
+        return (self._status.state or STARTING) if self.alive else "the loop does not turn"
 
     def collect(self) -> Iterator[Metric]:
         """Every metric; none of a loop that does not turn: an old value is no value."""
@@ -73,7 +74,7 @@ class App:
             answer: Iterable[bytes] = self._metrics(environ, start)
             return answer
         state = self._newest.state
-        probes = {"/livez": self._newest.alive, "/readyz": state == "running"}
+        probes = {"/livez": self._newest.alive, "/readyz": state == RUNNING}
         if path not in probes:
             return _say(start, "404 Not Found", "known here are /metrics, /livez, /readyz")
         return _say(start, "200 OK" if probes[path] else "503 Service Unavailable", state)

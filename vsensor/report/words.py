@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vsensor.messages import ChannelStatus
+from vsensor.messages.books import LOSSES
 from vsensor.recording.summary import Summary
 from vsensor.report.along import Along
 from vsensor.report.figures import Sticking
@@ -19,8 +19,6 @@ _STICKS = 0.01
 """From this share of the time on it is stick-slip;"""
 _SWINGS = 0.3
 """from this severity on the bit swings."""
-_COUNTS = [field.name for field in ChannelStatus.DESCRIPTOR.fields if field.type == field.TYPE_FIXED64]
-_REFUSALS = [name for name in _COUNTS if name not in ("received", "accepted")]
 
 
 class Key(NamedTuple):
@@ -130,7 +128,7 @@ def losses(story: Story, summary: Summary) -> list[tuple[str, int | None]]:
     rows: list[tuple[str, int | None]] = [
         (f"{channel.channel}: {name.replace('_', ' ')}", getattr(channel, name))
         for channel in (status.channels if status else ())
-        for name in _REFUSALS
+        for name in LOSSES
         if getattr(channel, name)
     ]
     rows += [

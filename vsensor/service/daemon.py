@@ -27,6 +27,7 @@ from vsensor.messages import (
     Status,
     Tick,
 )
+from vsensor.messages.states import INPUT_LOST, RUNNING, STANDING_BY, STARTING, WAITING, WARMING_UP
 from vsensor.service.describe import Describer
 from vsensor.service.engine import Engine
 from vsensor.service.health import Health
@@ -94,7 +95,7 @@ class Daemon:
         self.health = Health(rig, engine, self._watch.sticks, realtime)
         self.voice = Voice(session, rig, recorder, self.health)
         self._made: list[Made] = []
-        self.status = self.health.status("starting", recorder)
+        self.status = self.health.status(STARTING, recorder)
         self._per_second = round(rig.loop.rate)
         self._ration = Ration(rig.loop.rate)
         self.fault = ""
@@ -257,12 +258,12 @@ class Daemon:
 
     def _state(self) -> str:
         if not self._seat.taken:
-            return "standing by"
+            return STANDING_BY
         if self.health.input_lost:
-            return "input lost"
+            return INPUT_LOST
         if self.health.ticks == 0:
-            return "waiting for samples"
-        return "running" if self._engine.warm else "warming up"
+            return WAITING
+        return RUNNING if self._engine.warm else WARMING_UP
 
 
 def _finish(chores: Iterator[None]) -> None:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from vsensor.messages import Estimate, Event, Message, Status
+from vsensor.messages.states import RUNNING
 from vsensor.view import series, words
 from vsensor.view.batches import Batch, LogLine, Page
 from vsensor.view.part import FIGURES_EVERY_NS, Beat, Part
@@ -26,7 +27,7 @@ class Journal(Part):
                 self._estimate = message
             case Status():
                 if message.state != self._status.state:
-                    level = "INFO" if message.state == "running" else "WARN"
+                    level = "INFO" if message.state == RUNNING else "WARN"
                     self._log(self.at_ns, level, f"{words.clock(self.at_ns)} sensor: {message.state}")
                 self._status = message
             case Event():

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from typing import Literal, NamedTuple
 
 from vsensor.messages import Message, Status, Tick
+from vsensor.messages.books import refused
 from vsensor.units import factor
 from vsensor.view import series, words
 from vsensor.view.batches import Batch, Colour, Look, Page, Points
@@ -33,16 +34,9 @@ class Queue(NamedTuple):
     scale: float
 
 
-def _refused(status: Status) -> int:
-    return sum(
-        c.unreadable + c.not_finite + c.out_of_range + c.doubled + c.late + c.jumped + c.bad_at_source
-        for c in status.channels
-    )
-
-
 _COUNTERS = (
     Counter("lost", ("samples lost", VERMILION), lambda s: sum(c.lost for c in s.channels)),
-    Counter("refused", ("samples refused", ORANGE), _refused),
+    Counter("refused", ("samples refused", ORANGE), lambda s: sum(map(refused, s.channels))),
     Counter("skipped", ("slots skipped", BLUE), lambda s: s.slots_skipped),
     Counter("unrecorded", ("not recorded", PINK), lambda s: s.recorder_dropped),
 )

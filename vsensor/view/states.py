@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 from vsensor.messages import Estimate, Event, Message, Profile, Status
+from vsensor.messages.states import INPUT_LOST, RUNNING, STANDING_BY, STARTING, WAITING, WARMING_UP
 from vsensor.view import series
 from vsensor.view.batches import Batch, Colour, Lane, LaneLook
 from vsensor.view.palette import BLUE, GREEN, GREY, ORANGE, PINK, VERMILION, YELLOW
@@ -31,11 +32,12 @@ _LOOKS: dict[str, Mapping[str, Colour]] = {
     series.STRENGTH: {"within limits": GREEN, "near a limit": YELLOW, "over a limit": VERMILION},
     series.TRUST: {"good": GREEN, "uncertain": YELLOW, "bad": VERMILION},
     series.STATE: {
-        "starting": GREY,
-        "waiting for samples": GREY,
-        "warming up": BLUE,
-        "running": GREEN,
-        "input lost": VERMILION,
+        STARTING: GREY,
+        STANDING_BY: GREY,
+        WAITING: GREY,
+        WARMING_UP: BLUE,
+        RUNNING: GREEN,
+        INPUT_LOST: VERMILION,
     },
 }
 

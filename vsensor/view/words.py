@@ -4,13 +4,12 @@ import math
 import time
 from collections.abc import Callable
 
-from vsensor.messages import ChannelStatus, Estimate, Event, Status
+from vsensor.messages import Estimate, Event, Status
+from vsensor.messages.books import LOSSES
 from vsensor.view.readings import Reading, reading
 from vsensor.view.units import Units
 
 _WELCOME = ("received", "accepted")
-_COUNTS = [field.name for field in ChannelStatus.DESCRIPTOR.fields if field.type == field.TYPE_FIXED64]
-_REFUSALS = [name for name in _COUNTS if name not in _WELCOME]
 
 
 def answers(estimate: Estimate, status: Status, units: Units) -> str:
@@ -64,7 +63,7 @@ def health(status: Status, missed: int) -> str:
     return "\n\n".join(
         [
             "## Samples",
-            _table(["", *names], [_channel_row(name, status) for name in (*_WELCOME, *_REFUSALS)]),
+            _table(["", *names], [_channel_row(name, status) for name in (*_WELCOME, *LOSSES)]),
             "## Other losses",
             _table(
                 ["", "count"],
