@@ -91,6 +91,14 @@ def test_where_nothing_comes_any_more_nothing_old_is_shown() -> None:
     assert share(one, TRUST, VERMILION) > 0.5
 
 
+def test_it_says_of_when_it_is() -> None:
+    """A page that is slow to draw shows the same a minute later."""
+    one, other = (glance(tick(50), turning(), status()) for _ in range(2))
+    other.at_ns += 60 * 10**9
+    assert (tile(one, TRUST) != tile(other, TRUST)).any()
+    assert share(other, TRUST, GREEN) > 0.5
+
+
 def test_before_anything_is_known_there_is_a_picture_that_claims_nothing() -> None:
     for number in range(5):
         assert share(glance(), number, GREEN) == 0

@@ -20,6 +20,7 @@ from vsensor.view.plots import Drive
 from vsensor.view.readings import reading
 from vsensor.view.units import Units
 from vsensor.view.verdicts import Grade, Verdict, bit_state, roughness, strength, trust
+from vsensor.view.words import clock
 
 HEIGHT = 170
 TILES = (440, 360, 520, 370, 370)
@@ -150,7 +151,9 @@ class Glance(Part):
         why = verdict.why or (
             f"confirmed {self._status.confirmed_delay_s:.1f} s later" if verdict.word else self._status.state
         )
-        tile.state("TRUST", verdict if verdict.word else Verdict("wait", Grade.UNKNOWN), why)
+        # A page that is slow to draw is behind, and cannot know it: who looks has a clock.
+        at = f"at {clock(self.at_ns)} UTC" if self.at_ns else ""
+        tile.state("TRUST", verdict if verdict.word else Verdict("wait", Grade.UNKNOWN), why, at)
 
 
 class Tile:
@@ -199,10 +202,10 @@ class Tile:
         self._draw.rectangle((left, top, used, top + 14), colour[:3])
         self._text((left, 156), text, 20, self._ink, anchor="ls")
 
-    def state(self, title: str, verdict: Verdict, why: str) -> None:
+    def state(self, title: str, verdict: Verdict, why: str, aside: str = "") -> None:
         """A word on its colour."""
         self.fill(_GRADES[verdict.grade])
-        self.title(title)
+        self.title(title, aside)
         self._text((self._left + 14, 112), verdict.word.upper() or "?", 52, self._ink, anchor="ls", fit=True)
         self._text((self._left + 14, 152), why, 24, self._ink, anchor="ls", fit=True)
 
