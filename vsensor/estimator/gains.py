@@ -73,7 +73,7 @@ def gains(plant: Plant, at: Stations, lag: int, ahead: Sequence[float]) -> Gains
     ticks = 1 << (round(HORIZON_S * plant.rate) - 1).bit_length()
     of_rock, of_noise = (responses(plant, at, ticks, by_rock=by_rock) for by_rock in (True, False))
     each = [_at_level(plant, at, of_rock, of_noise, float(level), lag, ahead) for level in ROCK_LEVELS]
-    of = Gains(ROCK_LEVELS.copy(), *(np.array(column) for column in zip(*each, strict=True)))
+    of = Gains(*(np.array(column) for column in zip(*each, strict=True)))
     # Rows of several quantities, each of its own unit, are rounded by the levels of each.
     return Gains(
         levels=of.levels,
@@ -98,7 +98,8 @@ def _at_level(
     level: float,
     lag: int,
     ahead: Sequence[float],
-) -> tuple[float, Floats, Floats, Floats, Floats, Floats, Floats, Floats, Floats, float]:
+) -> Gains:
+    """Those of one level, without the first dimension."""
     kick = level**2 * (1 - rock_fade(plant.rate) ** 2)
     noise = plant.torque_noise**2
     ticks = 2 * (len(of_rock.seen) - 1)
@@ -132,17 +133,18 @@ def _at_level(
     down, back = (_newest_first(those, lag) for those in waves)
     told_along = squares_along(plant, at, np.roll(waves, ticks // 2, axis=-1), ticks // 2 + 1 - lag, ticks)
     along = kick * of_rock.along + noise * of_noise.along - innovation * told_along
-    return (
-        innovation,
-        respond(of_rock.state, of_noise.state)[:, 0],
-        respond(of_rock.motor, of_noise.motor)[: math.ceil(plant.late) + 1],
-        down,
-        back,
-        _newest_first(told, lag),
-        confirmed,
-        np.array(unforeseen)[:, :TOLD_TOP_SPEED],
-        np.maximum(along, 0.0),
-        half_told(by_rock / seen, plant.rate),
+    return Gains(
+        levels=np.array(level),
+        innovation=np.array(innovation),
+        state=respond(of_rock.state, of_noise.state)[:, 0],
+        motor=respond(of_rock.motor, of_noise.motor)[: math.ceil(plant.late) + 1],
+        waves=down,
+        returned=back,
+        told=_newest_first(told, lag),
+        variance=confirmed,
+        unforeseen=np.array(unforeseen)[:, :TOLD_TOP_SPEED],
+        along=np.maximum(along, 0.0),
+        band=np.array(half_told(by_rock / seen, plant.rate)),
     )
 
 

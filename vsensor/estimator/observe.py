@@ -69,45 +69,63 @@ def observe(model: Model, state: State, which: int) -> None:
     width = inputs.shape[1]
     place = (state.ticks[0] - model.behind) % width
     before = (place - 1) % width
-    whole = int(model.late)
-    # The torque of a step is told `late` ticks afterwards, between two samples.
-    early, then = (place + whole - 1) % width, (place + whole) % width
-    after = (place + min(whole + 1, model.behind)) % width
-    silent = state.missing[TORQUE, early] + state.missing[TORQUE, then] + state.missing[TORQUE, after] > 0
+    silent = _torque_silent(model, state, place)
     for row in range(model.steps):
         share = (row + 1) / model.steps
-        speed = inputs[SPEED, before] + share * (inputs[SPEED, place] - inputs[SPEED, before])
-        at = share + model.late - whole
-        one, other = (early, then) if at <= 1.0 else (then, after)
-        between = at if at <= 1.0 else at - 1.0
-        start = inputs[TORQUE, one] + state.motor[which, one]
-        torque = start + between * (inputs[TORQUE, other] + state.motor[which, other] - start)
         step = state.ticks[0] * model.steps + row
         string.rock[0] *= model.fade
         if silent:
+            speed = inputs[SPEED, before] + share * (inputs[SPEED, place] - inputs[SPEED, before])
             turn_by_speed(line, load, model.drive_rates[which], string, step, speed / model.turns)
         else:
+            torque = _torque_at(model, state, which, place, share)
             turn_by_torque(line, load, model.drive_rates[which], string, step, torque * model.passed)
         if which == 0:
             keep_returned(line, string.waves, string.junctions, step, state.returned)
-    state.innovation[which] = math.nan
-    if which == 0:
-        past = state.ticks[0] % state.innovations.shape[0]
-        state.innovations[past], state.levels[past] = 0.0, state.level[0]
+    innovation = math.nan
     if not silent and state.missing[SPEED, place] == 0:
         innovation = _tamed(model, state, which, inputs[SPEED, place] / model.turns - string.junctions[0])
-        state.innovation[which] = innovation
-        last = state.ticks[0] * model.steps + model.steps - 1
-        correct_ends(model.gains, state.level[0], string, innovation)
-        for ahead in range(model.behind + 1):
-            at_sample = (place + ahead) % width
-            state.motor[which, at_sample] += (
-                model.gains.motor[state.level[0], ahead] * innovation / model.passed
-            )
-        correct_told(model.gains.told[state.level[0]], string.told, last, innovation)
-        correct_waves(model.gains.waves[state.level[0]], model.inside, string.waves, last, innovation)
-        if which == 0:
-            state.innovations[past] = innovation
+        _correct(model, state, which, place, innovation)
+    state.innovation[which] = innovation
+    if which == 0:
+        past = state.ticks[0] % state.innovations.shape[0]
+        state.innovations[past] = 0.0 if math.isnan(innovation) else innovation
+        state.levels[past] = state.level[0]
+
+
+@compiled
+def _torque_silent(model: Model, state: State, place: int) -> bool:
+    """Whether a torque sample is missing that this tick's steps, those of the sample at `place`, need."""
+    width, whole = state.inputs.shape[1], int(model.late)
+    early, then = (place + whole - 1) % width, (place + whole) % width
+    after = (place + min(whole + 1, model.behind)) % width
+    return bool(state.missing[TORQUE, early] + state.missing[TORQUE, then] + state.missing[TORQUE, after] > 0)
+
+
+@compiled
+def _torque_at(model: Model, state: State, which: int, place: int, share: float) -> float:
+    """The motor's torque when such a share of this tick was over, told `late` ticks afterwards."""
+    width, whole = state.inputs.shape[1], int(model.late)
+    early, then = (place + whole - 1) % width, (place + whole) % width
+    after = (place + min(whole + 1, model.behind)) % width
+    at = share + model.late - whole
+    one, other = (early, then) if at <= 1.0 else (then, after)
+    between = at if at <= 1.0 else at - 1.0
+    start = state.inputs[TORQUE, one] + state.motor[which, one]
+    return float(start + between * (state.inputs[TORQUE, other] + state.motor[which, other] - start))
+
+
+@compiled
+def _correct(model: Model, state: State, which: int, place: int, innovation: float) -> None:
+    """Correct all of a string, and what is held against the torques that are still to act."""
+    gains, level, string = model.gains, state.level[0], strand(state, which)
+    last = state.ticks[0] * model.steps + model.steps - 1
+    correct_ends(gains, level, string, innovation)
+    for ahead in range(model.behind + 1):
+        at = (place + ahead) % state.motor.shape[1]
+        state.motor[which, at] += gains.motor[level, ahead] * innovation / model.passed
+    correct_told(gains.told[level], string.told, last, innovation)
+    correct_waves(gains.waves[level], model.inside, string.waves, last, innovation)
 
 
 @compiled
