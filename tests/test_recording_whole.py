@@ -36,6 +36,19 @@ def read(path: Path, place: int = 0) -> list[bytes]:
             assert file.tell() - begin == len(found[-1])
 
 
+def begins(path: Path) -> list[int]:
+    """Where each record begins that is read while those of kind 2 are passed over, and where it ends."""
+    found = []
+    with WholeReads(path) as file:
+        while True:
+            found.append(file.tell())
+            try:
+                file.record()
+            except EndOfFile:
+                return found
+            file.pass_over(2)
+
+
 @given(lengths, st.data())
 def test_records_are_read_as_far_as_they_are_whole(sizes: list[int], data: st.DataObject) -> None:
     told = records(sizes)
@@ -49,6 +62,31 @@ def test_records_are_read_as_far_as_they_are_whole(sizes: list[int], data: st.Da
         path.write_bytes(b"".join(told)[:kept])
         assert read(path) == told[:sound]
         assert read(path, place=[0, *ends][first]) == told[first:sound]
+
+
+@given(st.lists(st.tuples(st.sampled_from([1, 2]), st.integers(0, ROOM)), min_size=1, max_size=20), st.data())
+def test_only_whole_records_of_that_kind_are_passed_over(
+    told: list[tuple[int, int]], data: st.DataObject
+) -> None:
+    ends = [0, *accumulate(HEAD.size + size for _, size in told)]
+    kept = data.draw(st.integers(0, ends[-1]))
+    sound = [kind for (kind, _), end in zip(told, ends[1:], strict=True) if end <= kept]
+    with tempfile.TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(whole, "ROOM_BYTES", ROOM)
+        path = Path(folder) / "a"
+        path.write_bytes(b"".join(HEAD.pack(kind, size) + bytes(size) for kind, size in told)[:kept])
+        *read, stopped = map(ends.index, begins(path))
+        assert stopped == len(sound)  # at the tear
+        assert {number for number, kind in enumerate(sound) if kind == 1} <= set(read)
+
+
+@pytest.mark.parametrize("missing", range(12))
+def test_a_crowd_of_records_is_passed_over_at_once_up_to_the_tear(tmp_path: Path, missing: int) -> None:
+    path = tmp_path / "a"
+    size = HEAD.size + 3
+    data = HEAD.pack(1, 0) + 100 * (HEAD.pack(2, 3) + b"abc")
+    path.write_bytes(data[: len(data) - missing])
+    assert begins(path) == [0, len(data) - (size if missing else 0)]
 
 
 def test_bytes_from_the_end_and_those_behind_a_record_are_read(tmp_path: Path) -> None:

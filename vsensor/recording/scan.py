@@ -18,7 +18,7 @@ from mcap.stream_reader import MAGIC_SIZE, breakup_chunk, read_magic
 
 from vsensor.errors import InputError
 from vsensor.recording.index import Index
-from vsensor.recording.whole import HEAD, Content, WholeReads
+from vsensor.recording.whole import Content, WholeReads
 
 Item = TypeVar("Item")
 
@@ -128,9 +128,9 @@ class Scan:
             opcode, content = file.record()
             if not opcode:
                 raise ValueError("zeros stand where a record was expected")
-            if opcode != Opcode.MESSAGE_INDEX:
-                yield _record(opcode, content)
-            self.whole_bytes += HEAD.size + len(content)  # only now, as a chunk may be found not to be sound
+            yield _record(opcode, content)
+            file.pass_over(Opcode.MESSAGE_INDEX)
+            self.whole_bytes = file.tell()  # only now, as a chunk may be found not to be sound
         read_magic(Content(file.read(MAGIC_SIZE)))
 
 

@@ -71,6 +71,16 @@ class WholeReads:
         self._at += count
         return opcode, content
 
+    def pass_over(self, opcode: int) -> None:
+        """Pass over the records of this kind that come next, as far as they are in the room."""
+        room, at, end = self._room, self._at, self._end - HEAD.size
+        while at <= end:
+            kind, length = HEAD.unpack_from(room, at)
+            if kind != opcode or length > end - at:
+                break
+            at += HEAD.size + length
+        self._at = at
+
     def _hold(self, count: int) -> None:
         """Have so many bytes in the room from here on."""
         if count > self._size - self.tell():  # asked of us by a damaged length: do not make room for it
