@@ -199,11 +199,15 @@ def heard(model: Model, state: State) -> Heard:
 def fresh(model: Model, bit: Bit, settings: Settings) -> State:
     """The state before the first tick."""
     sections = len(model.line.impedance)
+    # Whatever the delay is corrected to, no string's waves take longer there and back.
+    longest = int(model.inside.sum())
     # Seen at one moment, the string's top is a travel time behind the last confirmed step, and waves
-    # are looked up as far from there as the longest section reaches. Tuning may lengthen all that a little.
+    # are looked up as far from there as the longest section reaches.
     ramp = 2 * math.ceil(RAMP_S * model.rate * model.steps)
-    back = model.lag * model.steps + max(int(1.1 * model.line.round_trip.sum()), ramp)
-    ahead = int(1.1 * model.forecast) + 2 * model.shares * model.steps
+    back = model.lag * model.steps + max(longest, ramp)
+    half = longest // 2
+    forecast = model.behind * model.steps + half + min(half, model.horizon)
+    ahead = forecast + 2 * model.shares * model.steps
     size = 1 << int(ahead + back + model.steps).bit_length()
     level = len(model.gains.levels) // 2
     return State(
