@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.clerks import Desk, at, made, numbers, sessions, states
+from tests.clerks import NAME, Desk, at, made, numbers, sessions, states
 from vsensor.recording import wire
 from vsensor.recording.limits import Limits
 from vsensor.recording.reader import Session
@@ -202,3 +202,13 @@ def test_a_disk_that_refuses_is_tried_again_and_what_it_tore_is_mended(
     assert numbers(whole) == [*range(18, 28)]
     assert not desk.failed()
     assert desk.news[-1]["lost"] >= 8
+
+
+def test_a_recording_that_begins_in_the_same_second_takes_another_name(tmp_path: Path) -> None:
+    (tmp_path / NAME).write_bytes(b"precious")
+    desk = Desk(tmp_path, Limits())
+    desk.remember()
+    desk.send(1)
+    desk.close()
+    assert (tmp_path / NAME).read_bytes() == b"precious"
+    assert numbers(tmp_path / NAME.replace(".mcap", "-2.mcap")) == [0]

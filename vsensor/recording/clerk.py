@@ -73,9 +73,10 @@ class Clerk:
         if not self._disk.has_room():
             self._trouble = f"{self._folder}: {self._too_full()}"
             return
-        self._part = Part(path, self._head, {"part": "1"}, self._losses())
+        # A machine without a clock of its own begins twice in the same second.
+        self._part = Part(untaken(path), self._head, {"part": "1"}, self._losses())
         self._parts = 1
-        self._tell("recording", True, f"recording into {path}")
+        self._tell("recording", True, f"recording into {self._part.path}")
         self.mend()
 
     def mend(self) -> None:

@@ -1,7 +1,8 @@
 """Sessions that a crash or a power cut has torn, mended when the recorder starts next.
 
 Started by the recorder's process as `python -m vsensor.recording.mend FOLDER RIG`, out of its way. What is
-mended becomes NAME.mcap, and the torn one is kept as NAME.mcap.torn.
+mended becomes NAME.mcap, and the torn one is kept as NAME.mcap.torn. Where mending was interrupted itself, it
+is done again.
 """
 
 import contextlib
@@ -12,24 +13,35 @@ import sys
 from pathlib import Path
 
 from vsensor.errors import VsensorError
-from vsensor.recording.names import is_session_of
-from vsensor.recording.recover import recover
+from vsensor.recording.names import is_session_of, untaken
+from vsensor.recording.reader import Session
+from vsensor.recording.recover import RECOVERED_FROM, recover, recovering
 
 
 def torn(folder: Path, rig: str) -> list[Path]:
-    """The unfinished sessions of this rig that nobody is writing."""
-    parts = sorted(folder.glob(f"{rig}-*.mcap.part"))
-    return [part for part in parts if is_session_of(rig, part.name, ".mcap.part") and not _is_held(part)]
+    """The unfinished sessions of this rig that nobody is writing, or mending."""
+    parts = (p for p in sorted(folder.glob(f"{rig}-*.mcap.part")) if is_session_of(rig, p.name, ".mcap.part"))
+    return [part for part in parts if not (_is_held(part) or _is_held(recovering(part.with_suffix(""))))]
 
 
 def mend(part: Path) -> str:
     """Mend one; returns what became of it, in words."""
-    kept = part.with_suffix(".torn")
+    path, kept = part.with_suffix(""), part.with_suffix(".torn")
+    if _comes_of(path, part):
+        part.rename(kept)
+        return f"{path} was torn and is mended; the torn one is kept as {kept.name}"
     try:
-        recovered = recover(part)
+        Session(part)
     except VsensorError as error:
         part.rename(kept)
         return f"{error}: nothing of it could be saved, it is kept as {kept.name}"
+    output = untaken(path) if path.exists() else path
+    recovering(output).unlink(missing_ok=True)
+    try:
+        recovered = recover(part, output)
+    except VsensorError as error:
+        recovering(output).unlink(missing_ok=True)  # its room is wanted
+        return f"{part} is torn and could not be mended, which is tried again at the next start: {error}"
     part.rename(kept)
     return (
         f"{recovered.path} was torn and is mended: {recovered.messages} messages; the last "
@@ -37,8 +49,19 @@ def mend(part: Path) -> str:
     )
 
 
+def _comes_of(path: Path, part: Path) -> bool:
+    """Whether a session is what mending has made of a torn one already."""
+    try:
+        session = Session(path)
+    except VsensorError:
+        return False
+    return session.complete and session.metadata.get(RECOVERED_FROM) == part.name
+
+
 def _is_held(part: Path) -> bool:
     """Whether a writer has it open: each locks its file."""
+    if not part.exists():
+        return False
     try:
         with part.open("rb") as file:
             fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)

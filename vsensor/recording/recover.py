@@ -7,6 +7,9 @@ from vsensor.recording.reader import Session
 from vsensor.recording.scan import Scan
 from vsensor.recording.writer import RECORDER, SessionWriter
 
+RECOVERED_FROM = "recovered_from"
+"""Key of a session's metadata: the name of the torn one."""
+
 
 @dataclass(frozen=True, slots=True)
 class Recovered:
@@ -25,14 +28,14 @@ def recover(torn: Path, output: Path | None = None) -> Recovered:
     """
     session = Session(torn)
     scan = Scan(torn)
-    metadata = {**session.metadata, "recovered_from": torn.name}
+    metadata = {**session.metadata, RECOVERED_FROM: torn.name}
     path = output or _mended(torn)
     with SessionWriter(
         path,
         configuration=session.configuration or "",
         metadata=metadata,
         compression="zstd",
-        part=path.with_name(f"{path.name}.recovering"),  # NAME.mcap.part may be the torn one itself
+        part=recovering(path),
     ) as writer:
         for schema, channel, message in scan.messages():
             writer.copy(schema, channel, message)
@@ -40,6 +43,11 @@ def recover(torn: Path, output: Path | None = None) -> Recovered:
             writer.note(RECORDER, session.recorder)
     lost = 0 if scan.finished else torn.stat().st_size - scan.whole_bytes
     return Recovered(path, writer.written, lost)
+
+
+def recovering(path: Path) -> Path:
+    """Where a session is written while it is mended: NAME.mcap.part may be the torn one itself."""
+    return path.with_name(f"{path.name}.recovering")
 
 
 def _mended(torn: Path) -> Path:
