@@ -24,7 +24,7 @@ from vsensor.config import Bus, Metrics
 pytestmark = pytest.mark.process
 
 ROOT = Path(__file__).parent.parent
-EMPTY = {'rate(vsensor_samples_lost_total{rig=~".*"}[1m]) > 0'}
+EMPTY = {'deriv(vsensor_samples_lost{rig=~".*"}[1m]) > 0'}
 """Queries that have no answer where nothing was lost."""
 
 
