@@ -34,6 +34,9 @@ def troubled() -> Fed:
     fed.insert(350, (SENSOR_EVENT, told))
     fed.insert(360, (SENSOR_EVENT, Event(time_ns=BEGUN_NS, name=FORECAST_SHED, begins=True)))
     fed.insert(500, (SURFACE_SPEED, Sample(time_ns=BEGUN_NS + 90 * NS, value=9.0, sequence=7)))
+    fed.insert(
+        448, (SURFACE_SPEED, Sample(time_ns=fed[447][1].time_ns + 3 * NS // 2, value=30.0, sequence=7))
+    )
     fed.insert(150, (SURFACE_BIT_DEPTH, Sample(time_ns=BEGUN_NS, value=1190.0)))
     fed.insert(151, (SURFACE_HOLE_DEPTH, Sample(time_ns=BEGUN_NS, value=1190.2)))
     return fed
@@ -54,8 +57,9 @@ def saved(engine: Engine) -> State:
     return State.FromString(state.SerializeToString())
 
 
-CUTS = (0, 1, 153, 305, 351, 353, 400, 502, len(FED) - 1)
-"""Before anything came, within holes, between a command and the tick that it is for, behind a jump."""
+CUTS = (0, 1, 153, 305, 351, 353, 400, 451, 504, len(FED) - 1)
+"""Before anything came, within holes, between a command and the tick that it is for, behind a sample
+that waits for another to bear it out, behind a jump."""
 
 
 def test_taken_up_between_two_samples_all_that_follows_is_the_same() -> None:

@@ -176,7 +176,7 @@ def test_hours_of_one_channel_alone_take_no_more_room(speaks: str, once: bool) -
 def test_a_gap_of_one_channel_alone_before_the_grid_is_still_known_when_the_other_comes() -> None:
     """What is let go of are points that no tick can need: the line to the last one stays."""
     intake = Intake(SMALL)
-    ticks([*one(T, steps(0, 100)), reading(T, 101.9, 100.0)], intake)
+    ticks([*one(T, steps(0, 100)), reading(T, 101.9, 100.0), reading(T, 101.91, 100.0)], intake)
     given_out = ticks(one(S, steps(101, 101.9)), intake)
     assert given_out[0].time_ns == BEGUN + 101 * NS
     assert {tick.reasons for tick in given_out} == {Reason.GAP_BRIDGED}
@@ -191,5 +191,5 @@ def test_a_recorded_command_is_obeyed_again_and_other_events_say_nothing() -> No
 
 
 def test_a_recorded_command_that_does_not_fit_the_rig_is_named() -> None:
-    with pytest.raises(InputError, match=r'command "shorter 9 km" does not fit this rig: the string is'):
+    with pytest.raises(InputError, match=r'command "shorter 9 km" does not fit this rig: 9000.0 m are more'):
         Intake(rig(PIPE)).take(SENSOR_EVENT, Event(name="command", text="shorter 9 km"))

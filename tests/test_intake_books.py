@@ -18,7 +18,7 @@ from vsensor.quality import Reason
 
 DEEDS = (
     "plain", "plain", "plain", "plain", "silence", "late", "doubled", "nan", "inf", "far", "unreadable",
-    "forward", "backward", "absurd", "hole", "restart", "bad", "uncertain", "unnumbered",
+    "forward", "backward", "ahead", "absurd", "hole", "restart", "bad", "uncertain", "unnumbered",
 )  # fmt: skip
 Fed = list[tuple[str, Sample | None]]
 
@@ -41,6 +41,8 @@ class Source:
         self.sequence = 0 if deed == "restart" else self.sequence + 1 + round(9 * size) * (deed == "hole")
         values = {"nan": math.nan, "inf": math.copysign(math.inf, size - 0.5), "far": 1e7}
         sample = Sample(time_ns=self.time_ns, value=values.get(deed, 50 * size), sequence=self.sequence)
+        if deed == "ahead":
+            sample.time_ns += round(2 * size * NS)
         if deed == "absurd":
             sample.time_ns = round((size - 0.5) * 2**63.9)
             sample.sequence = round(size * (2**64 - 2048))
@@ -75,7 +77,7 @@ def test_the_books_balance(fed: Fed) -> None:
     for topic, channel in intake.channels.items():
         counts = channel.counts
         assert counts.received == sum(1 for to, _ in fed if to == topic)
-        assert counts.received == counts.accepted + refused(counts)
+        assert counts.received == counts.accepted + refused(counts) + (channel.waiting is not None)
 
 
 @given(feeds(), st.sampled_from([60.0, 100.0, 300.0]))

@@ -135,7 +135,7 @@ class _Track(NamedTuple):
         `limits` are the largest value that is believed, and the longest gap (ns) that is none.
         """
         held = channel.points
-        if not held or any(point.reasons for point in held):
+        if not held or channel.waiting is not None or any(point.reasons for point in held):
             return None
         times = np.append(np.array([point.time_ns for point in held]), arrivals.time_ns)
         values = np.append(np.array([point.value for point in held]), arrivals.value)
@@ -164,6 +164,7 @@ class _Track(NamedTuple):
         """Leave the channel as after these samples one by one, the last tick being at `last_ns`."""
         first = max(0, int(np.searchsorted(self.times, last_ns, side="right")) - 1)
         kept = zip(self.times[first:].tolist(), self.values[first:].tolist(), strict=True)
+        self.channel.pace_ns = int(self.times[-1] - self.times[-2])
         self.channel.points = [Point(time_ns, value, Reason(0)) for time_ns, value in kept]
         self.channel.counts.received += self.new
         self.channel.counts.accepted += self.new

@@ -43,13 +43,18 @@ class Channel:
         self.stale = stale
         self.limit = limit
         self.next_sequence: int | None = None
+        self.pace_ns: int | None = None
+        """How far apart its two newest samples are."""
+        self.waiting: Point | None = None
+        """A sample far ahead of the others, which the next one must bear out."""
         self._missing: set[int] = set()
         self._unread = 0
         self.forget()
 
     def forget(self) -> None:
-        """Begin anew, as before the first sample; the counts stay."""
+        """Begin anew, as before the first sample; counts and pace stay."""
         self.points: list[Point] = []
+        self._drop()
 
     @property
     def newest_ns(self) -> int | None:
@@ -81,7 +86,7 @@ class Channel:
             self.counts.lost += max(ahead - self._unread, 0)
             self._remember(given, 0 if self._unread else ahead)  # which of them were unread is not known
             self.next_sequence = given + 1
-        elif ahead > 0 or (ahead < -1 and sample.time_ns == self.newest_ns):
+        elif ahead > 0 or (ahead < -1 and sample.time_ns == self._told_last_ns()):
             # A low number with the newest time: the publisher has begun to count anew.
             self._missing.clear()
             self.next_sequence = given + 1
@@ -99,12 +104,47 @@ class Channel:
             self._missing = {number for number in self._missing if number >= known}
             self._missing.update(range(max(given - missing, known), given))
 
-    def accept(self, sample: Sample, consumed_ns: int | None) -> None:
-        """Keep a sample in its place in time, unless that has passed or is taken."""
+    def _told_last_ns(self) -> int | None:
+        return self.newest_ns if self.waiting is None else self.waiting.time_ns
+
+    def take(self, sample: Sample, consumed_ns: int | None, max_gap_ns: int) -> None:
+        """Keep a sample in its place in time, unless that has passed or is taken.
+
+        One that comes more than a gap before it is due waits for the next, which bears it out by being later
+        still, and not by lying before it: else a single stray would stand for all up to its time.
+        """
         reasons = Reason.SOURCE_UNCERTAIN if int(sample.quality) == Quality.UNCERTAIN else Reason(0)
         point = Point(sample.time_ns, sample.value, reasons)
         newest = self.newest_ns
+        if self.waiting is not None and newest is not None and point.time_ns > newest:
+            if point.time_ns == self.waiting.time_ns:
+                self.counts.doubled += 1
+                return
+            if point.time_ns > self.waiting.time_ns:
+                self.bear_out(consumed_ns)
+            self._drop()
+        newest, pace_ns = self.newest_ns, self.pace_ns
+        if newest is not None and pace_ns is not None and point.time_ns - newest > pace_ns + max_gap_ns:
+            self.waiting = point
+        else:
+            self._accept(point, consumed_ns)
+
+    def bear_out(self, consumed_ns: int | None) -> None:
+        """Accept the sample that waits."""
+        if self.waiting is not None:
+            point, self.waiting = self.waiting, None
+            self._accept(point, consumed_ns)
+
+    def _drop(self) -> None:
+        if self.waiting is not None:
+            self.waiting = None
+            self.counts.jumped += 1
+
+    def _accept(self, point: Point, consumed_ns: int | None) -> None:
+        newest = self.newest_ns
         if newest is None or point.time_ns > newest:
+            if newest is not None:
+                self.pace_ns = point.time_ns - newest
             self.points.append(point)
         elif any(kept.time_ns == point.time_ns for kept in self.points):
             self.counts.doubled += 1
@@ -120,13 +160,20 @@ class Channel:
         """What the channel remembers, but for its counts, as plain values."""
         return {
             "points": [[point.time_ns, point.value, int(point.reasons)] for point in self.points],
+            "pace_ns": self.pace_ns,
+            "waiting": None if self.waiting is None else list(self.waiting),
             "next_sequence": self.next_sequence,
             "missing": sorted(self._missing),
         }
 
     def restore(self, saved: Mapping[str, Any]) -> None:
-        """Take up what `save` gave; the counts stay."""
+        """Take up what `save` gave, or an older version, in which none waited; the counts stay."""
         self.points = [Point(time_ns, value, Reason(flags)) for time_ns, value, flags in saved["points"]]
+        self.pace_ns = saved.get("pace_ns")
+        self.waiting = None
+        if waiting := saved.get("waiting"):
+            time_ns, value, flags = waiting
+            self.waiting = Point(time_ns, value, Reason(flags))
         self.next_sequence = saved["next_sequence"]
         self._missing = set(saved["missing"])
 

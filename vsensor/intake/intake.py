@@ -110,8 +110,12 @@ class Intake:
         if sample is None:
             channel.counts.unreadable += 1
             return []
-        if channel.believes(sample) and self._in_time(topic, channel, sample.time_ns):
-            channel.accept(sample, self._consumed_ns)
+        if channel.believes(sample):
+            waiting = channel.waiting
+            if waiting is not None and 0 < sample.time_ns - waiting.time_ns <= self._restart_gap_ns:
+                channel.bear_out(self._consumed_ns)
+            if self._in_time(topic, channel, sample.time_ns):
+                channel.take(sample, self._consumed_ns, self.max_gap_ns)
         channel.follow(sample)
         return list(self._ready())
 
