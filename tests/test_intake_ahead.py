@@ -1,4 +1,4 @@
-"""A sample ahead of its own channel, by less than begins all anew: the next bears it out, or it was a stray."""
+"""A sample ahead of its channel, by less than begins all anew: the next bears it out, or it was a stray."""
 
 import pytest
 
