@@ -92,13 +92,19 @@ def test_what_does_not_matter_to_the_estimator_may_change(kept: Learned) -> None
     begin_with(kept, other, engine.intake, engine.estimator)
 
 
-@pytest.mark.parametrize("damage", ["cut", "garbage", "nan", "version", "huge"])
+@pytest.mark.parametrize(
+    "damage", ["cut", "garbage", "nan", "version", "huge", "no kind of number", "too long", "no length"]
+)
 def test_a_damaged_file_is_put_aside_and_all_begins_anew(kept: Learned, tmp_path: Path, damage: str) -> None:
     other = Learned.FromString(kept.SerializeToString())
     if damage == "nan":
         other.arrays[3].data = np.full(len(other.arrays[3].data) // 8, np.nan).tobytes()
     if damage == "version":
         other.version = "0.0.1"
+    if damage == "no kind of number":
+        other.arrays[3].dtype = "<f9"
+    if damage in ("too long", "no length"):
+        other.string_length_m = {"too long": 1e9, "no length": -1200.0}[damage]
     data = other.SerializeToString()
     data = {"cut": data[:500], "garbage": b"\xff" * 99, "huge": bytes(10_000_001)}.get(damage, data)
     path = tmp_path / "test.learned"

@@ -45,7 +45,7 @@ def take_up(state: State, intake: Intake, estimator: Estimator) -> None:
     try:
         saved = {described.name: array_of(described) for described in state.arrays}
         held = json.loads(state.intake)
-    except (TypeError, ValueError) as error:
+    except ValueError as error:
         raise ValueError(f"the recorded state cannot be read: {error}") from error
     estimator.restore(saved)
     try:
@@ -66,7 +66,10 @@ def array_of(described: Array) -> NDArray[np.generic]:
     """The array that a message holds. Raises ValueError where it is not what it claims."""
     if not _NUMBERS.fullmatch(described.dtype):  # numpy would evaluate what else stands there
         raise ValueError(f"{described.name} is of {described.dtype!r}, which are no numbers")
-    kind = np.dtype(described.dtype)
+    try:
+        kind = np.dtype(described.dtype)
+    except TypeError as error:
+        raise ValueError(f"{described.name} is of {described.dtype!r}: {error}") from error
     if len(described.data) != math.prod(described.shape) * kind.itemsize:
         raise ValueError(f"{described.name} is not the {described.dtype}{tuple(described.shape)} it claims")
     return np.frombuffer(described.data, kind).reshape(tuple(described.shape))

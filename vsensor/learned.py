@@ -5,7 +5,6 @@ heeds is noted with it.
 """
 
 import json
-import math
 import time
 from typing import Any
 
@@ -14,7 +13,7 @@ import numpy as np
 from vsensor import __version__
 from vsensor.checkpoint import array_of
 from vsensor.config import Rig
-from vsensor.estimator.estimator import Estimator
+from vsensor.estimator.estimator import LONGEST_M, Estimator
 from vsensor.intake import Intake
 from vsensor.messages import Array, Learned
 
@@ -49,7 +48,7 @@ def begin_with(before: Learned, rig: Rig, intake: Intake, estimator: Estimator) 
     for name, array in arrays.items():
         if not np.isfinite(array).all():
             raise ValueError(f"{name} is not finite")
-    if not math.isfinite(before.string_length_m):
+    if not 0 < before.string_length_m <= LONGEST_M:
         raise ValueError(f"a string of {before.string_length_m:g} m is none")
     estimator.begin_with(arrays)
     # Pipe that was added behind the last tick is taken up at the first.
