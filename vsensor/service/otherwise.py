@@ -16,6 +16,7 @@ class Otherwise(Engine):
     def __init__(self, rig: Rig, recorded: Rig) -> None:
         super().__init__(rig)
         self._recorded = recorded
+        self._configured_length = rig.string[0].length
         self._same_string = rig.string == recorded.string
 
     def take_up(self, state: State) -> None:
@@ -23,6 +24,9 @@ class Otherwise(Engine):
         if self._same_string:
             super().take_up(state)
             return
-        if longer_by := length_of(state) - self._recorded.string[0].length:
-            self.estimator.lengthen(longer_by)
+        longer_by = length_of(state) - self._recorded.string[0].length
+        # A recording has several states, and none of them tells how long this string is by now.
+        wanted = self._configured_length + longer_by
+        if missing := round(wanted - self.estimator.string[0].length, 6):
+            self.estimator.lengthen(missing)
         raise ValueError("it is of the recorded string, and this one begins afresh")
