@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.rigs import SHORT
-from vsensor.checkpoint import remembered, whole
+from vsensor.checkpoint import length_of, remembered, whole
 from vsensor.cli.main import app
 from vsensor.cli.overrides import changed, overridden
 from vsensor.config import Rig, loads
@@ -148,6 +148,11 @@ def test_values_are_set_by_their_path_with_units() -> None:
         ("bit.[=1", "is no key"),
         ("bit.inertia=5 m", "bit.inertia: '5 m' does not measure in kg"),
         ("bit.colour=1", "no such key"),
+        ("string.length=5", "string.length: string is a list of 3: write such as string[1].length"),
+        ("string.length.x=5", "string.length.x: string is a list of 3: write such as string[1].length"),
+        ("top_drive.inertia.x=1", "top_drive.inertia.x: top_drive.inertia is a value and has no x"),
+        ("rig.name.x=1", "rig.name.x: rig.name is a value and has no x"),
+        ("rig.name.x.y=1", "rig.name.x.y: rig.name is a value and has no x"),
     ],
 )
 def test_what_cannot_be_set_is_named(setting: str, fault: str) -> None:
@@ -172,6 +177,13 @@ def test_of_another_strings_state_only_what_was_added_is_taken_up() -> None:
     with pytest.raises(ValueError, match="it is of the recorded string"):
         other.take_up(state)
     assert other.estimator.string[0].length == 1328.5
+
+    recording.step(Tick(number=2, motor_torque_nm=1e3, motor_speed_rad_s=9.0, longer_by_m=28.5))
+    for later in (state, whole(*remembered(recording.intake, recording.estimator)), state):
+        longer = length_of(later) - 1200.0
+        with pytest.raises(ValueError, match="it is of the recorded string"):
+            other.take_up(later)
+        assert other.estimator.string[0].length == 1300.0 + longer
 
 
 def test_under_another_rig_it_tells_and_draws_what_changes(tmp_path: Path) -> None:

@@ -64,22 +64,27 @@ def _value(text: str) -> Any:
 
 
 def _put(data: Any, key: str, value: Any) -> None:
-    *path, last = _steps(key)
-    place = data
-    for step in path:
-        place = _into(place, step, key)
-    if isinstance(last, int):
-        _into(place, last, key)
+    *way, last = _steps(key)
+    place, path = data, ""
+    for step in way:
+        _refuse_misfit(place, step, key, path)
+        place = place.setdefault(step, {}) if isinstance(step, str) else place[step]
+        path = f"{path}[{step + 1}]" if isinstance(step, int) else f"{path}.{step}".lstrip(".")
+    _refuse_misfit(place, last, key, path)
     place[last] = value
 
 
-def _into(place: Any, step: str | int, key: str) -> Any:
-    if isinstance(step, str):
-        return place.setdefault(step, {})
-    if not isinstance(place, list) or not 0 <= step < len(place):
-        many = f"there are {len(place)}" if isinstance(place, list) else "this is no list"
-        raise ConfigError(f"--set {key}: no number {step + 1}: {many}")
-    return place[step]
+def _refuse_misfit(place: Any, step: str | int, key: str, path: str) -> None:
+    """Raise ConfigError where what stands at `path` has no such part."""
+    if isinstance(step, int):
+        if not isinstance(place, list) or not 0 <= step < len(place):
+            many = f"there are {len(place)}" if isinstance(place, list) else "this is no list"
+            raise ConfigError(f"--set {key}: no number {step + 1}: {many}")
+    elif isinstance(place, list):
+        part = f"{path}[1].{step}" if place and isinstance(place[0], dict) else f"{path}[1]"
+        raise ConfigError(f"--set {key}: {path} is a list of {len(place)}: write such as {part}")
+    elif not isinstance(place, dict):
+        raise ConfigError(f"--set {key}: {path} is a value and has no {step}: write {path}=VALUE")
 
 
 def _steps(key: str) -> list[str | int]:
