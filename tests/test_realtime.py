@@ -4,6 +4,8 @@ import errno
 import os
 import resource
 import signal
+import subprocess
+import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -105,6 +107,30 @@ def test_processors_are_pinned_for_the_thread_alone() -> None:
 def test_what_cannot_be_meant_is_refused(asked: dict[str, object], fault: str) -> None:
     with pytest.raises(ValueError, match=fault):
         wanting(**asked)
+
+
+WITHOUT_LEAVE = """
+import os, sys
+from vsensor.config import Loop
+from vsensor.service import realtime
+
+ask = lambda **asked: realtime.achieve(Loop.model_validate({"rate": 50.0, **asked}), os.sched_getaffinity(0))
+had = ask(realtime="prefer", priority=3).scheduling
+os.setuid(65534)
+print(had, "then", ask().scheduling)
+"""
+
+
+def test_priority_is_given_back_without_the_leave_it_took() -> None:
+    """As under systemd's LimitRTPRIO: whoever had it granted has no CAP_SYS_NICE when it is turned off."""
+    if os.geteuid() != 0:
+        pytest.skip("needs a priority to be granted, and the capability to be dropped")
+    said = subprocess.run(
+        [sys.executable, "-c", WITHOUT_LEAVE], capture_output=True, text=True, check=True, timeout=60
+    ).stdout.strip()
+    if said.startswith("SCHED_OTHER"):
+        pytest.skip("this machine grants no priority, not to root")
+    assert said == "SCHED_FIFO 3 then SCHED_OTHER"
 
 
 def scheduling_of(pid: int) -> dict[int, int]:

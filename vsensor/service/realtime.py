@@ -84,7 +84,8 @@ def _step_back(processors: Collection[int]) -> None:
     with contextlib.suppress(OSError):
         os.sched_setaffinity(0, processors)
     with contextlib.suppress(OSError):
-        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+        # Without CAP_SYS_NICE a thread may give back its priority, but not that its children have none.
+        os.sched_setscheduler(0, os.SCHED_OTHER | os.SCHED_RESET_ON_FORK, os.sched_param(0))
     _libc().munlockall()
 
 
