@@ -1,9 +1,12 @@
 """SIGHUP: what may change is taken up, all else is refused with why, and the sensor lives on."""
 
 import signal
+import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
-from typing import cast
+from types import FrameType
+from typing import Any, cast
 
 import pytest
 
@@ -75,6 +78,47 @@ def test_of_a_file_with_one_unsafe_change_nothing_is_taken_up(tmp_path: Path) ->
     rig, done = read(path, SHORT)
     assert rig is SHORT
     assert "loop" not in done
+
+
+def interrupted(reload: Reload, line: int) -> tuple[Rig, str] | None:
+    """Its result, while a SIGHUP comes before that line of the method, counted as they are run."""
+    run = 0
+
+    def trace(frame: FrameType, event: str, _told: object) -> Any:
+        nonlocal run
+        if frame.f_code is not Reload.result.__code__:
+            return None
+        if event == "line":
+            run += 1
+            if run == line:
+                reload.begin()
+        return trace
+
+    before = sys.gettrace()
+    sys.settrace(trace)
+    try:
+        return reload.result(SHORT)
+    finally:
+        sys.settrace(before)
+
+
+@pytest.mark.parametrize("line", range(1, 12))
+def test_a_signal_that_comes_while_the_result_is_asked_for_refuses_nothing(tmp_path: Path, line: int) -> None:
+    path = tmp_path / "rig.toml"
+    path.write_text(effective_toml(SHORT), encoding="utf-8")
+    reload = Reload(path)
+    reload.begin()
+    wait_until(lambda: not any(thread.name == "reload" for thread in threading.enumerate()), "it is read")
+    found: list[tuple[Rig, str]] = []
+
+    def came() -> bool:
+        found.extend(result for result in [reload.result(SHORT)] if result is not None)
+        return bool(found)
+
+    found.extend(result for result in [interrupted(reload, line)] if result is not None)
+    wait_until(lambda: bool(found) or came(), "a result")
+    assert [said for _, said in found] == ["nothing has changed"]
+    wait_until(lambda: not any(thread.name == "reload" for thread in threading.enumerate()), "all is read")
 
 
 @pytest.mark.process

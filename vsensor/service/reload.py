@@ -49,8 +49,9 @@ class Reload:
         """
         if self._thread is None or self._thread.is_alive():
             return None
-        self._thread = None
+        # What came is taken out first: a signal may come between any two lines, and begins anew from then on.
         read = self._came.pop() if self._came else ConfigError(f"{self._path}: cannot be read")
+        self._thread = None
         if isinstance(read, ConfigError):
             return now, f"refused: {read}"
         changed = changes(now, read)
