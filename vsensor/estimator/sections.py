@@ -20,7 +20,8 @@ FINEST = 32
 
 LONGEST_STEP_S = 4e-3
 """Delays are rounded to half a step: at 5 Hz, beyond which a string tells next to nothing of its bit,
-that turns a wave's phase by at most π/50 at any junction, however long the string."""
+that turns a wave's phase by at most π/50 at any junction, however long the string. Below 7.8 Hz, FINEST
+steps a tick are longer: ticks carry no more than half their rate there, which half a step turns by π/64."""
 
 
 class Line(NamedTuple):
