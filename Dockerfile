@@ -2,8 +2,10 @@
 #
 #     docker build -t vsensor .
 #     docker run -d --name well-b -p 7447:7447 -v /etc/vsensor:/etc/vsensor:ro -v well-b:/var/lib/vsensor \
-#         -v vsensor-kernels:/var/cache/vsensor vsensor run /etc/vsensor/well-b.toml
+#         -v vsensor-kernels:/var/cache/vsensor --group-add "$(stat -c %g /etc/vsensor)" \
+#         vsensor run /etc/vsensor/well-b.toml
 #
+# The group is the host's: /etc/vsensor may be read by its group alone, and the user in here is another than the host's.
 # Inside, listen on all addresses ("tls/0.0.0.0:7447", docs/security.md) and have [metrics] enabled, which the health
 # check asks. docs/operations.md tells how to give it real-time priority.
 FROM debian:bookworm-slim AS build

@@ -6,6 +6,8 @@ import re
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -13,7 +15,7 @@ import pytest
 from tests.daemons import free_bus, wait_until
 from tests.rigs import BEGUN_NS, NS, RATE, SHORT, samples, simulated
 from vsensor.config import effective_toml
-from vsensor.demo import Played, account, example, how_to_view, on_free_port
+from vsensor.demo import Played, account, await_ready, example, how_to_view, on_free_port
 from vsensor.errors import VsensorError
 from vsensor.messages import BIT_ESTIMATE, SENSOR_TICK
 from vsensor.recording.reader import Session
@@ -43,6 +45,33 @@ def session_of(text: str) -> Session:
     found = re.search(r"^session +(\S+)$", text, re.MULTILINE)
     assert found is not None, text
     return Session(Path(found[1]))
+
+
+@pytest.mark.parametrize(
+    ("does", "complaint"),
+    [
+        ("print('compiling', flush=True); time.sleep(600)", "the daemon was not ready within 1 s"),
+        ("print('compiling')", "the daemon ended before it was ready"),
+    ],
+)
+def test_a_daemon_that_is_not_ready_is_not_waited_for_without_end(does: str, complaint: str) -> None:
+    with own(does) as process, pytest.raises(VsensorError, match=complaint):
+        await_ready(process, 1.0)
+
+
+def test_a_daemon_that_is_ready_is_waited_for_no_longer() -> None:
+    with own("print('compiling\\nREADY', flush=True); time.sleep(600)") as process:
+        await_ready(process)
+
+
+@contextmanager
+def own(does: str) -> "Iterator[subprocess.Popen[str]]":
+    command = [sys.executable, "-c", f"import time; {does}"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
 
 
 @pytest.mark.process

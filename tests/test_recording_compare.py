@@ -202,3 +202,6 @@ def test_several_sessions_are_verified_at_once_and_other_rates_refused(tmp_path:
     assert run("--set", "loop.rate=50 Hz")[0] == 2
     assert run(str(GOLDEN), "-o", str(tmp_path / "a.png"))[0] == 2
     assert run("-o", str(tmp_path / "a.gif"))[0] == 2
+    status, said = run("-o", str(tmp_path / "nowhere" / "a.png"))
+    assert (status, "exact" in said) == (2, False)
+    assert "there is no folder" in said

@@ -125,6 +125,8 @@ def test_an_unknown_unit_or_zone_is_wrong_use(tmp_path: Path) -> None:
         ConfigError, match=r"a\.csv: t: 'Oslo' is no time zone: write for example 'Europe/Oslo'"
     ):
         read_surface(path, Layout(time="t", form=TimeForm(zone="Oslo")))
+    with pytest.raises(ConfigError, match=r"'Europe' is no time zone"):  # but a folder of them
+        read_surface(path, Layout(time="t", form=TimeForm(zone="Europe")))
 
 
 def test_columns_may_be_parted_by_semicolons_or_tabs(tmp_path: Path) -> None:

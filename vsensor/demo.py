@@ -2,6 +2,7 @@
 
 import math
 import os
+import select
 import socket
 import subprocess
 import sys
@@ -21,8 +22,8 @@ from vsensor.messages import BIT_ESTIMATE, SENSOR_TICK, Estimate
 from vsensor.recording.reader import Session
 from vsensor.units import factor
 
-READY_S = 60.0
-"""The first start compiles the kernels."""
+READY_S = 300.0
+"""The first start compiles the kernels: a minute or two on an idle machine."""
 END_S = 30.0
 RPM = factor("rad/s", "rpm")
 
@@ -121,12 +122,17 @@ def process(*arguments: str, quiet: bool = True) -> Iterator[subprocess.Popen[st
             running.communicate()
 
 
-def await_ready(daemon: subprocess.Popen[str]) -> None:
-    """Return when the daemon listens; VsensorError if it ends instead."""
-    for line in daemon.stdout or ():
-        if "READY" in line:
+def await_ready(daemon: subprocess.Popen[str], patience_s: float = READY_S) -> None:
+    """Return when the daemon listens; VsensorError if it ends instead, or takes too long."""
+    out = daemon.stdout.fileno() if daemon.stdout else -1
+    said, end = b"", time.monotonic() + patience_s
+    while (left_s := end - time.monotonic()) > 0 and select.select([out], [], [], left_s)[0]:
+        if not (more := os.read(out, 1 << 16)):
+            raise VsensorError("the daemon ended before it was ready; it said why above")
+        said += more
+        if b"READY" in said:
             return
-    raise VsensorError("the daemon ended before it was ready; it said why above")
+    raise VsensorError(f"the daemon was not ready within {patience_s:g} s")
 
 
 def _wait(seconds: float, stopped: Callable[[], bool], running: Mapping[str, subprocess.Popen[str]]) -> None:

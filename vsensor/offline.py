@@ -47,7 +47,7 @@ class Offline:
         checkpoint.take_up(state, self.intake, self._estimator)
 
     def estimates(self, feed: Feed) -> Iterator[Mapping[str, NDArray[np.generic]]]:
-        """Yield the estimates table of `contracts` in chunks of columns, one row a tick."""
+        """Yield the estimates in chunks of columns, `tables.ESTIMATE_FIELDS`, one row a tick."""
         for inputs in self._inputs(feed):
             yield from map(self._run, _unbroken(inputs))
 

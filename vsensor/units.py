@@ -56,11 +56,6 @@ def to_si(value: object, unit: str) -> float:
     return number
 
 
-def from_si(value: float, si_unit: str, unit: str) -> float:
-    """Convert an SI value to the unit that people read, by a factor (no offsets)."""
-    return value * factor(si_unit, unit)
-
-
 @cache
 def factor(unit: str, other: str) -> float:
     """How many `other` make one `unit`; ValueError where the two do not measure the same."""

@@ -23,10 +23,9 @@ from vsensor.bench.live import rig_at
 from vsensor.bench.processes import processor_s, resident_bytes
 from vsensor.bench.table import Cell, Table
 from vsensor.bench.wakes import Wakes, bare_loop, build_bare_loop
-from vsensor.bus import command, open_session
+from vsensor.bus import ask_status, command, open_session
 from vsensor.config import Rig, effective_toml
 from vsensor.errors import VsensorError
-from vsensor.messages import SENSOR_STATUS, Status
 from vsensor.service.histogram import quantile_s
 
 ESTIMATE_BYTES = 180
@@ -132,7 +131,7 @@ def _measure(
     seconds: float,
 ) -> Measured:
     ask()
-    before, took, held = _status(session, rig.prefix), processor_s(pid), resident_bytes(pid)
+    before, took, held = ask_status(session, rig.prefix), processor_s(pid), resident_bytes(pid)
     begun = time.monotonic()
     if bare:
         with bare_loop(bare, rig.loop.rate, seconds, before.scheduling) as wakes:
@@ -142,7 +141,7 @@ def _measure(
         beside = None
     lasted = time.monotonic() - begun
     time.sleep(1.0)  # the status of the last second
-    after = _status(session, rig.prefix)
+    after = ask_status(session, rig.prefix)
     counts = [now - then for now, then in zip(after.lateness.counts, before.lateness.counts, strict=True)]
     return Measured(
         rig.loop.rate,
@@ -217,13 +216,6 @@ def _line(process: subprocess.Popen[str]) -> str:
     if not line:
         raise VsensorError(f"{process.args!r} ended with status {process.poll()}")
     return line
-
-
-def _status(session: zenoh.Session, prefix: str) -> Status:
-    for reply in session.get(f"{prefix}/{SENSOR_STATUS}", timeout=10.0):
-        if reply.ok is not None:
-            return Status.FromString(reply.ok.payload.to_bytes())
-    raise VsensorError("the daemon does not answer")
 
 
 def _lateness(measured: Sequence[Measured]) -> Table:

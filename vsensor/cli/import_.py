@@ -8,7 +8,7 @@ import typer
 from rich.console import Console
 
 from vsensor import __version__
-from vsensor.config import load
+from vsensor.config import effective_toml, load
 from vsensor.errors import VsensorError
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def import_(
         Console(stderr=True).status(f"importing {source.name}"),
         SessionWriter(
             output,
-            configuration=config.read_text(encoding="utf-8") if config else "",
+            configuration=effective_toml(known) if known else "",
             metadata={
                 "rig": rig or (known.rig.name if known else ""),
                 "vsensor": __version__,

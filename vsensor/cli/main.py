@@ -16,7 +16,7 @@ COMMANDS = {
     "check": "Explain a configuration: delays, impedances, modes, and what looks odd.",
     "run": "Run the virtual sensor beside a rig's telemetry.",
     "status": "Ask a running sensor how it is, and show it live.",
-    "tell": "Tell a running sensor that the bit is off bottom, or that the string has grown.",
+    "tell": "Tell a running sensor of bit and string, or what to record.",
     "view": "Show a running sensor live.",
     "simulate": "Publish a simulated rig's surface torque and speed.",
     "replay": "Publish a session's surface samples as if live.",

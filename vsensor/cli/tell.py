@@ -1,4 +1,4 @@
-"""`vsensor tell`: tell a running sensor what only the driller knows."""
+"""`vsensor tell`: tell a running sensor what only the driller knows, or what to record."""
 
 from pathlib import Path
 from typing import Annotated
@@ -8,17 +8,16 @@ from rich.console import Console
 from rich.markup import escape
 
 from vsensor.cli.options import connected
+from vsensor.commands import HELP
 from vsensor.config import load
 
 
 def tell(
     config: Annotated[Path, typer.Argument(help="The rig: a TOML file.")],
-    words: Annotated[
-        list[str], typer.Argument(help="off bottom, on bottom, by depths, longer 28.5 m, shorter 28.5 m.")
-    ],
+    words: Annotated[list[str], typer.Argument(help=f"{HELP[0].upper()}{HELP[1:]}.")],
     connect: Annotated[str, typer.Option(help="Where the bus is, such as tcp/127.0.0.1:7447.")] = "",
 ) -> None:
-    """Tell a running sensor that the bit is off bottom, or that the string was made longer."""
+    """Tell a running sensor that the bit is off bottom, that the string has grown, or what to record."""
     from vsensor.bus import command, open_session
 
     rig = load(config)

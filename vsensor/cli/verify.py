@@ -35,6 +35,8 @@ def verify(
         raise ConfigError(f"{picture}: a picture is of one session, not of {len(sessions)}")
     if picture is not None and picture.suffix != ".png":
         raise ConfigError(f"{picture}: a picture's name must end in .png")
+    if picture is not None and not picture.parent.is_dir():
+        raise ConfigError(f"{picture}: there is no folder {picture.parent}")
     console = Console(soft_wrap=True, highlight=False)
     verdicts = [_verify(console, session, config, settings or [], picture) for session in sessions]
     as_recorded = config is None and not settings

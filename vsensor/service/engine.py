@@ -1,4 +1,7 @@
-"""Samples in, ticks and estimates out: the same engine live, offline and in replay."""
+"""Samples in, ticks and estimates out, one tick at a time: live, and where a session is made or verified.
+
+Tables go through `offline`, by columns; `test_offline_gives_the_same_to_the_bit` holds the two together.
+"""
 
 import math
 from collections.abc import Iterator

@@ -67,7 +67,7 @@ class TimeForm:
     def _hangs(self) -> ZoneInfo:
         try:
             return ZoneInfo(self.zone)
-        except (ZoneInfoNotFoundError, ValueError) as error:
+        except (ZoneInfoNotFoundError, ValueError, OSError) as error:  # such as a folder of zones
             raise ConfigError(f"{self.zone!r} is no time zone: write for example 'Europe/Oslo'") from error
 
     def _counted(self, values: pa.Array) -> Times:
