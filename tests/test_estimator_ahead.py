@@ -100,3 +100,18 @@ def test_a_long_record_makes_nobody_too_sure() -> None:
     within = np.mean(np.abs(error) <= 2 * values[:, CONFIRMED + SPEED_STD])
     assert 0.90 <= within <= 0.99
     assert np.abs(estimator.tuning[[DELAY, INERTIA]]).max() < 0.002
+
+
+@pytest.mark.parametrize("wrong", [0.11, 0.176])
+def test_a_delay_that_is_wrong_by_a_tenth_makes_nobody_sure_of_another(wrong: float) -> None:
+    """So far from the truth shadows see but the side of a valley, and not always the right one."""
+    unsure = LONG.model_copy(update={"tuning": Tuning(delay=0.1)})
+    pipe = LONG.string[0]
+    softer = pipe.model_copy(update={"shear_modulus": pipe.shear_modulus / (1 + wrong) ** 2})
+    simulated = SimulatedRig(
+        LONG.model_copy(update={"string": (softer,)}), PLANS[Scenario.STICK_SLIP], seed=3
+    )
+    readings = np.array([simulated.sample() for _ in range(100 * 50)])
+    estimator = Estimator(unsure)
+    estimator.run(readings[:, 1], readings[:, 2])
+    assert abs(wrong - estimator.tuning[DELAY]) < 2 * estimator.tuning_std[DELAY]

@@ -84,13 +84,17 @@ def fresh_tuning(settings: Settings, passed: float) -> Tuning:
 def correct_delay(tuning: Tuning, off: float, enabled: bool) -> bool:
     """Take up a correction of the delays that is due; whether there was one. `off` is the shadows' share."""
     information, pull = _parabola(tuning, off)
-    variance = 1 / (information + 1 / float(tuning.prior[DELAY]))
+    prior = float(tuning.prior[DELAY])
+    variance = 1 / (information + 1 / prior)
     due = bounded(tuning, DELAY, variance * pull)
+    here, more, less = tuning.misfit.tolist()
+    # A valley's side tells the way, not how far: only one whose floor was seen tells how surely.
+    known = variance if here < more and here < less else prior
     if not enabled or due * due <= SURELY**2 * variance:
         # What is in force is not what is likeliest: its mean square error holds the difference.
-        tuning.variance[DELAY] = variance + due * due
+        tuning.variance[DELAY] = known + due * due
         return False
-    tuning.variance[DELAY] = variance
+    tuning.variance[DELAY] = known
     # No further than the shadows were, for there they must look anew.
     tuning.value[DELAY] += min(max(due, -off), off)
     tuning.misfit[:] = 0.0
