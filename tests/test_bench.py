@@ -93,7 +93,7 @@ def test_what_is_compared_was_worked_out(case: kernel.Case) -> None:
 
 
 def test_junctions_of_a_march_are_counted_as_it_meets_them(case: kernel.Case) -> None:
-    trips, reach = case.model.line.round_trip, case.model.forecast
+    trips, reach = case.model.line.round_trip, kernel.march_steps(case.model)
     last = len(trips) - 1
     count = highest = 0
     matters = reach - trips[1:].sum()
