@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable, Iterator
 from itertools import chain
-from typing import NamedTuple
 
 import zenoh
 
@@ -22,7 +21,6 @@ from vsensor.messages import (
     SURFACE_TOPICS,
     Estimate,
     Event,
-    Profile,
     Sample,
     Status,
     Tick,
@@ -51,13 +49,8 @@ SEAT_PATIENCE_S = 1.5
 """Links to other routers are made by then, and it is known whether another sensor speaks."""
 
 
-class Made(NamedTuple):
-    """One tick that was run, and what is to be told of it."""
-
-    tick: Tick
-    estimate: Estimate
-    profile: Profile | None
-    """Where one is due."""
+Made = tuple[Tick, Estimate]
+"""A tick that was run, and what came of it."""
 
 
 class Daemon:
@@ -95,6 +88,7 @@ class Daemon:
         self.health = Health(rig, engine, self._watch.sticks, realtime)
         self.voice = Voice(session, rig, recorder, self.health)
         self._made: list[Made] = []
+        self._making: Iterator[Made] = iter(())
         self.status = self.health.status(STARTING, recorder)
         self._per_second = round(rig.loop.rate)
         self._ration = Ration(rig.loop.rate)
@@ -143,7 +137,11 @@ class Daemon:
     def prepare(self, until_ns: int) -> None:
         """Ahead of a slot, run what has come already: when it comes its estimates are ready to be told."""
         begun = time.monotonic_ns()
-        self._made += self._run(lambda: time.monotonic_ns() < until_ns)
+        self._making = self._run(lambda: time.monotonic_ns() < until_ns)
+        for made in self._making:
+            self._made.append(made)
+            if self._profiler.is_due(made[1]):  # a profile is of the string as this tick has left it
+                break
         self.health.prepared(time.monotonic_ns() - begun)
 
     def _turn(self, slot: Slot) -> None:
@@ -154,9 +152,10 @@ class Daemon:
         self._seat.answer(self.status.SerializeToString, self._obey)
 
     def _take_in(self, slot: Slot, more: Callable[[], bool], *, hold: bool = True) -> None:
-        made, self._made = self._made, []
-        for each in chain(made, self._run(more, hold=hold)):
-            self._publish_tick(slot, each)
+        prepared = chain(self._made, self._making)
+        self._made, self._making = [], iter(())
+        for tick, estimate in chain(prepared, self._run(more, hold=hold)):
+            self._publish_tick(slot, tick, estimate)
 
     def _run(self, more: Callable[[], bool], *, hold: bool = True) -> Iterator[Made]:
         """Run the ticks of what has come, while there is time for more."""
@@ -167,9 +166,7 @@ class Daemon:
             if received.fault:
                 self.fault = f"{received.topic}: a sample {received.fault}"
             self.voice.record_received(received)
-            for tick, estimate in self._engine.take(received.topic, received.sample):
-                looks = self.health.shedding.level < NO_PROFILE
-                yield Made(tick, estimate, self._profiler.look(estimate) if looks else None)
+            yield from self._engine.take(received.topic, received.sample)
 
     def _obey(self, words: str) -> str:
         if self._recording is not None and (said := self._recording.obey(words)) is not None:
@@ -186,8 +183,7 @@ class Daemon:
         elif slot.number > self._owed_until:
             self._owed = 0
 
-    def _publish_tick(self, slot: Slot, made: Made) -> None:
-        tick, estimate, profile = made
+    def _publish_tick(self, slot: Slot, tick: Tick, estimate: Estimate) -> None:
         tick.slot, tick.lateness_ns, tick.caught_up = slot.number, slot.lateness_ns, self._owed > 0
         self._owed = max(self._owed - 1, 0)
         self.health.ticks += 1
@@ -200,7 +196,7 @@ class Daemon:
             self.voice.publish(BIT_TORQUE, _as_sensor(estimate, "now_bit_torque", "nm"), tick.time_ns)
         for event in self._watch.tick(tick, estimate):
             self.voice.tell(event)
-        if profile is not None:
+        if self.health.shedding.level < NO_PROFILE and (profile := self._profiler.look(estimate)):
             self.voice.publish(STRING_PROFILE, profile, profile.time_ns)
             if (over := self._watch.profile(profile)) is not None:
                 self.voice.tell(over)

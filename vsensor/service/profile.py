@@ -39,9 +39,13 @@ class Profiler:
         self._limit = np.array([limit.torque if limit else math.nan for limit in limits])
         self._stress = np.array([component.stress_of_torque(part) for part in parts])
 
+    def is_due(self, estimate: Estimate) -> bool:
+        """Whether there is a profile to this estimate."""
+        return not estimate.number % self._every and estimate.HasField("confirmed_bit_speed_std_rad_s")
+
     def look(self, estimate: Estimate) -> Profile | None:
-        """The profile at the estimate's confirmed time; None where none is due, or nothing known."""
-        if estimate.number % self._every or not estimate.HasField("confirmed_bit_speed_std_rad_s"):
+        """The profile at the confirmed time of the newest estimate; None where there is none."""
+        if not self.is_due(estimate):
             return None
         if self._estimator.stations is not self._laid_out:  # the string was made longer
             self._lay_out()
