@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol
 
 from vsensor.grid import NS
 
-LEAD_NS = 2_000_000
+LEAD_NS = 1_200_000
 """So long before a slot it is prepared,"""
 LEAD_SHARE = 0.4
 """and by no more of a slot;"""
