@@ -86,10 +86,19 @@ def test_what_cannot_be_recorded_is_counted(tmp_path: Path) -> None:
     assert Session(tmp_path / "a.mcap").summary().dropped == 2
 
 
-def test_a_session_that_exists_is_refused_at_the_start(tmp_path: Path) -> None:
-    (tmp_path / "a.mcap").touch()
-    with pytest.raises(InputError, match=r"a\.mcap: exists already"):
-        start(tmp_path / "a.mcap")
+def test_a_session_that_exists_is_not_written_over_at_the_start(tmp_path: Path) -> None:
+    (tmp_path / "a.mcap").write_bytes(b"precious")
+    recorder = start(tmp_path / "a.mcap")
+    send(recorder, slots=1)
+    assert recorder.close(20)
+    assert (tmp_path / "a.mcap").read_bytes() == b"precious"
+    assert readable(tmp_path / "a-2.mcap") == recorder.sent > 0
+
+
+def test_a_session_that_cannot_be_created_is_refused_at_the_start(tmp_path: Path) -> None:
+    (tmp_path / "folder").touch()
+    with pytest.raises(InputError, match=r"cannot be created"):
+        start(tmp_path / "folder" / "a.mcap")
 
 
 def test_a_frozen_recorder_costs_messages_and_no_time(tmp_path: Path) -> None:
