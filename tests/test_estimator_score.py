@@ -134,7 +134,7 @@ def test_however_long_the_record_a_delay_is_told_no_better_than_by_what_else_loo
 def test_what_the_record_holds_for_likelier_but_is_not_taken_up_stays_in_doubt() -> None:
     """Switched off, a delay that is wrong is known to be, and the deviation says so.
 
-    Where a shadow is nearer to the truth, so that the valley's floor was not seen, with all that was configured.
+    With all that was configured where a shadow is nearer: the valley's floor was not seen.
     """
     for wrong, besides in ((0.4 * OFF, BIAS), (0.015, Settings().delay)):
         tuning = fresh_tuning(Settings(), 1.0)

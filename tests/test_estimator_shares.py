@@ -1,5 +1,6 @@
 """Where ticks come faster than the bit is foretold, a march ahead is spread over several of them."""
 
+import numba
 import numpy as np
 import pytest
 
@@ -11,6 +12,9 @@ from vsensor.estimator.kernel import FORECAST, NO_FORECAST, NOW, SPEED, STICK, T
 from vsensor.estimator.sections import Floats
 from vsensor.simulate.rig import Reading
 from vsensor.simulate.scenario import Scenario
+
+if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+    pytest.skip("minutes of a rig: too slow without the compiler", allow_module_level=True)
 
 SHARES = 4
 RATE = SHARES * REFRESH_HZ
