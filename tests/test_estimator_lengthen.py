@@ -1,5 +1,6 @@
 """A string that grows while it runs: its waves stay where they are."""
 
+import numba
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,6 +13,11 @@ from vsensor.estimator.kernel import CONFIRMED, NOW, SPEED, TORQUE
 from vsensor.estimator.sections import Floats
 from vsensor.simulate.rig import SimulatedRig
 from vsensor.simulate.scenario import PLANS, Scenario
+
+COMPILED = pytest.mark.skipif(
+    numba.config.DISABLE_JIT,  # type: ignore[attr-defined]
+    reason="minutes of a rig: too slow without the compiler",
+)
 
 STAND = 28.5
 SHORT = rig(PIPE, COLLAR, rate=50.0, bit=BIT, top_drive=DRIVE)
@@ -29,6 +35,7 @@ def drilled(of: Rig, scenario: Scenario, seconds: float) -> Floats:
     return np.array([(r.motor_torque, r.motor_speed, r.bit_time_s, r.bit_speed) for r in readings])
 
 
+@COMPILED
 @settings(max_examples=10)
 @given(st.floats(-300, 600))
 def test_a_string_that_turns_steadily_goes_on_as_it_did(metres: float) -> None:
@@ -46,6 +53,7 @@ def test_a_string_that_turns_steadily_goes_on_as_it_did(metres: float) -> None:
     assert values[-1, CONFIRMED + SPEED] == pytest.approx(10.0, abs=0.01)
 
 
+@COMPILED
 def test_a_stand_added_in_the_middle_of_stick_slip_is_followed() -> None:
     """The record is that of the longer string all along; told of it halfway, the sensor is as good as one
     that knew it from the start."""
