@@ -3,10 +3,12 @@
 import numba
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tests.strings import BIT, COLLAR, DRIVE, PIPE, rig
 from tests.test_estimator import record, same
-from vsensor.estimator.ahead import REFRESH_HZ
+from vsensor.estimator.ahead import REFRESH_HZ, WORTH, read_beyond, shares_of
 from vsensor.estimator.estimator import Estimates, Estimator
 from vsensor.estimator.kernel import FORECAST, NO_FORECAST, NOW, SPEED, STICK, TORQUE
 from vsensor.estimator.sections import Floats
@@ -30,6 +32,20 @@ def at_each_tick(estimator: Estimator) -> Estimator:
     estimator._configured = estimator._configured._replace(shares=1)
     estimator._model = estimator._told = estimator._model._replace(shares=1)
     return estimator
+
+
+@given(st.floats(1, 5e3), st.floats(0, 2e4))
+def test_what_is_read_of_a_march_was_known_when_it_set_out_but_for_little(rate: float, ticks: float) -> None:
+    """On a short string, such as a laboratory's, each tick makes its own."""
+    shares = shares_of(rate, ticks)
+    assert shares >= 1
+    assert read_beyond(shares, 1) <= WORTH * ticks
+    assert shares == 1 or rate / shares >= REFRESH_HZ
+
+
+def test_only_where_ticks_are_many_a_march_is_spread() -> None:
+    assert [shares_of(rate, 1.8 * rate) for rate in (100.0, 199.0, 200.0, 1000.0)] == [1, 1, 2, 10]
+    assert shares_of(1000.0, 75.0) == 1
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,6 @@
 """What follows the newest state of the model string: the waves on their way, and the bit's answer to them.
 
-The bit hangs on kilometres of elastic string: its speed changes over tenths of a second, and to foretell it
+On a long string a march has many steps, and the bit's speed changes over tenths of a second: to foretell it
 REFRESH_HZ times a second is enough. Where ticks come faster, a march is spread over several of them.
 """
 
@@ -12,9 +12,16 @@ from vsensor.estimator.sweep import BALANCE, EXTERNAL, Span, sweep
 from vsensor.jit import compiled
 
 REFRESH_HZ = 100.0
-"""So many marches are begun in a second, at the most."""
+"""So many marches are begun in a second, at the most:"""
+WORTH = 0.02
+"""or more, for it is read no further beyond what was known when it set out than so much of a round trip."""
 STICK_S = 0.1
 """A bit foretold to rest for so long sticks: shorter stops are the turning points of an oscillation."""
+
+
+def shares_of(rate: float, round_trip: float) -> int:
+    """Over how many ticks a march is spread, of a string with a round trip of so many."""
+    return max(1, min(int(rate / REFRESH_HZ), 1 + int(WORTH * round_trip / 2)))
 
 
 @compiled

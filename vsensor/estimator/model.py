@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from vsensor.config import Rig
-from vsensor.estimator.ahead import REFRESH_HZ, read_beyond
+from vsensor.estimator.ahead import read_beyond, shares_of
 from vsensor.estimator.along import Stations
 from vsensor.estimator.gains import gains
 from vsensor.estimator.responses import Plant, rock_fade
@@ -38,7 +38,7 @@ def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
     round_trip = int(line.round_trip.sum())
     asked = rig.estimator.horizon
     horizon = round_trip if asked is None else max(1, round(asked * rate * steps))
-    shares = max(1, int(rate / REFRESH_HZ))
+    shares = shares_of(rate, round_trip / steps)
     beyond = read_beyond(shares, steps)
     model = Model(
         line=line,

@@ -4,7 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vsensor.report.ticks import BIT, NS, TOP, Floats, Ticks, Times
+from vsensor.grid import NS
+from vsensor.report.ticks import BIT, TOP, Floats, Ticks, Times
 
 STUCK = 0.5
 """A bit below this (rad/s, 5 rpm) stands,"""

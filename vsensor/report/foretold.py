@@ -5,8 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vsensor.grid import NS
 from vsensor.messages import Status
-from vsensor.report.ticks import NS, Floats, Ticks, Times
+from vsensor.report.ticks import Floats, Ticks, Times
 
 WAITS_NS = 60 * NS
 """What is not confirmed by so much later never will be."""

@@ -5,8 +5,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from vsensor.grid import NS
 from vsensor.report.grown import Grown
-from vsensor.report.ticks import BIT, NS, TOP, Floats, Ticks, Times
+from vsensor.report.ticks import BIT, TOP, Floats, Ticks, Times
 
 MOVING = 0.1
 """A mean speed below this (rad/s, 1 rpm) is no rotation."""

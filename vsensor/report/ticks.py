@@ -11,7 +11,6 @@ from vsensor.recording.columns import Columns
 Floats = npt.NDArray[np.float64]
 Times = npt.NDArray[np.int64]
 
-NS = 1_000_000_000
 BIT, TOP = "confirmed_bit_speed_rad_s", "top_speed_rad_s"
 BIT_TORQUE, TOP_TORQUE = "confirmed_bit_torque_nm", "top_torque_nm"
 

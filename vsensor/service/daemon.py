@@ -138,9 +138,9 @@ class Daemon:
         """Ahead of a slot, run what has come already: when it comes its estimates are ready to be told."""
         begun = time.monotonic_ns()
         self._making = self._run(lambda: time.monotonic_ns() < until_ns)
-        for made in self._making:
-            self._made.append(made)
-            if self._profiler.is_due(made[1]):  # a profile is of the string as this tick has left it
+        for tick, estimate in self._making:
+            self._made.append((tick, estimate))
+            if self._profiler.is_due(estimate):  # a profile is of the string as this tick has left it
                 break
         self.health.prepared(time.monotonic_ns() - begun)
 

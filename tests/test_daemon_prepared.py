@@ -1,0 +1,79 @@
+"""What has come before a slot is run ahead of it: what is told in the slot is the same."""
+
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from tests.daemons import free_bus
+from tests.rigs import RATE, SHORT, Surface, samples, simulated
+from vsensor.bus import Received, open_session
+from vsensor.messages import BIT_ESTIMATE, STRING_PROFILE, SURFACE_TORQUE, Message
+from vsensor.service.daemon import Daemon
+from vsensor.service.engine import Engine
+from vsensor.service.pace import Slot
+from vsensor.service.profile import Profiler
+from vsensor.service.realtime import achieve
+
+SPARSE = 7
+"""Of the speed every seventh sample comes, and completes as many ticks: profiles are due among them."""
+FEED: Surface = [
+    (topic, sample)
+    for topic, sample in samples(simulated(10))
+    if topic == SURFACE_TORQUE or not sample.sequence % SPARSE
+]
+WANTED = (BIT_ESTIMATE, STRING_PROFILE)
+
+
+class Waiting:
+    """Samples that wait, in place of those that come over a bus."""
+
+    def __init__(self) -> None:
+        self.samples: Surface = []
+
+    def drain(self, more: Callable[[], bool], **_: bool) -> Iterator[Received]:
+        while self.samples and more():
+            topic, sample = self.samples.pop(0)
+            yield Received(topic, 0, sample)
+
+
+def expected() -> list[tuple[str, bytes]]:
+    """What comes of the samples one by one."""
+    engine, told = Engine(SHORT), []
+    profiler = Profiler(SHORT, engine.estimator)
+    for topic, sample in FEED:
+        for _, estimate in engine.take(topic, sample):
+            told.append((BIT_ESTIMATE, estimate.SerializeToString()))
+            if profile := profiler.look(estimate):
+                told.append((STRING_PROFILE, profile.SerializeToString()))
+    return told
+
+
+@pytest.mark.parametrize("ahead_s", [None, -1.0, 3600.0])
+def test_what_is_told_is_the_same_whether_a_slot_was_prepared_or_not(ahead_s: float | None) -> None:
+    """Not at all, with no time left, or with all the time there is."""
+    rig = SHORT.model_copy(update={"bus": free_bus()})
+    told: list[tuple[str, bytes]] = []
+
+    def send(topic: str, message: Message) -> bytes:
+        data = message.SerializeToString()
+        if topic in WANTED:
+            told.append((topic, data))
+        return data
+
+    with open_session(rig.bus, "daemon") as session, pytest.MonkeyPatch.context() as patched:
+        sensor = Daemon(rig, Engine(rig), session, None, achieve(rig.loop))
+        waiting = Waiting()
+        patched.setattr(sensor, "_inbox", waiting)
+        patched.setattr(sensor.voice, "send", send)
+        for number, start in enumerate(range(0, len(FEED), 10)):
+            waiting.samples += FEED[start : start + 10]
+            if ahead_s is not None:
+                before = len(told)
+                sensor.prepare(time.monotonic_ns() + round(ahead_s * 1e9))
+                assert len(told) == before
+            sensor._turn(Slot(number, 0, 0))
+            while waiting.samples:  # a turn takes no longer than half a slot
+                sensor._turn(Slot(number, 0, 0))
+    assert told == expected()
+    assert sum(topic == STRING_PROFILE for topic, _ in told) > RATE
