@@ -190,6 +190,18 @@ def test_severity_is_that_of_the_window_and_forgets_at_a_restart(taken: Taken) -
     assert np.isnan(engine.window).all()
 
 
+@pytest.mark.parametrize(("rate", "apart"), [(40, 1), (150, 1), (250, 2), (400, 4)])
+def test_the_window_is_as_long_at_any_rate_and_no_finer_than_the_bit_may_need(rate: int, apart: int) -> None:
+    engine = Engine(SHORT.model_copy(update={"loop": SHORT.loop.model_copy(update={"rate": rate})}))
+    ticks = (
+        Tick(number=k, motor_torque_nm=5e3, motor_speed_rad_s=math.sin(k / rate)) for k in range(6 * rate)
+    )
+    told = [engine.step(tick).confirmed_bit_speed_rad_s for tick in ticks][::apart]
+    length = round(SHORT.estimator.severity_window * rate / apart)
+    assert engine.recent_s == pytest.approx(apart / rate)
+    assert engine.window[BIT_SPEED].tolist() == told[-length:]
+
+
 def test_the_window_has_top_and_bit_at_one_time(taken: Taken) -> None:
     """Oldest first; the string's top is what the surface measured, the top drive's inertia taken off."""
     readings = simulated(SECONDS)

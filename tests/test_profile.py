@@ -17,7 +17,7 @@ from vsensor.messages import Estimate, Profile, Tick
 from vsensor.messages.vsensor_pb2 import GOOD, UNCERTAIN
 from vsensor.quality import Reason
 from vsensor.service.engine import Engine
-from vsensor.service.profile import RATE_HZ, Profiler
+from vsensor.service.profile import RATE_HZ, Profiler, profile_of
 from vsensor.simulate.rig import Reading, SimulatedRig
 from vsensor.simulate.scenario import PLANS, Scenario
 
@@ -95,8 +95,8 @@ def profiles(of: Rig, ticks: Iterable[tuple[float, float]]) -> list[tuple[Estima
             number=number, time_ns=time_ns, motor_torque_nm=torque, motor_speed_rad_s=speed, reasons=reasons
         )
         estimate = engine.step(tick)
-        if profile := profiler.look(estimate):
-            told.append((estimate, profile))
+        profiler.note(estimate)
+        told += [(estimate, profile_of(noted)) for noted in profiler.waiting()]
     return told
 
 
@@ -105,7 +105,7 @@ def test_what_the_wall_takes_is_the_power_lost() -> None:
     engine = Engine(RIG)
     for number in range(2400):
         engine.step(Tick(number=number, motor_torque_nm=9e3, motor_speed_rad_s=10.0))
-    told = figures(engine.window, 1 / RIG.loop.rate)
+    told = figures(engine.window, engine.recent_s)
     assert told.top_power_w == pytest.approx(90e3, rel=1e-3)
     assert told.lost_power_w == pytest.approx(3e3, rel=0.02)
     assert told.stuck_share == told.back_rotation_share == told.back_rotation_turns == 0

@@ -21,7 +21,7 @@ from vsensor.messages import (
 )
 from vsensor.recording.writer import Compression, SessionWriter
 from vsensor.service.engine import Engine
-from vsensor.service.profile import Profiler
+from vsensor.service.profile import Profiler, profile_of
 from vsensor.simulate.rig import SimulatedRig
 from vsensor.simulate.scenario import PLANS, Scenario
 
@@ -51,10 +51,15 @@ def recorded(rig: Rig, seconds: float) -> list[Told]:
             for tick, estimate in engine.take(topic, sample):
                 speed = Sample(time_ns=time_ns, value=estimate.now_bit_speed_rad_s, sequence=number)
                 torque = Sample(time_ns=time_ns, value=estimate.now_bit_torque_nm, sequence=number)
-                of_tick = {SENSOR_TICK: tick, BIT_ESTIMATE: estimate, BIT_SPEED: speed, BIT_TORQUE: torque}
-                if (profile := profiler.look(estimate)) is not None:
-                    of_tick[STRING_PROFILE] = profile
-                told += (Told(to, message.SerializeToString(), time_ns) for to, message in of_tick.items())
+                profiler.note(estimate)
+                of_tick = (
+                    (SENSOR_TICK, tick),
+                    (BIT_ESTIMATE, estimate),
+                    (BIT_SPEED, speed),
+                    (BIT_TORQUE, torque),
+                    *((STRING_PROFILE, profile_of(noted)) for noted in profiler.waiting()),
+                )
+                told += (Told(to, message.SerializeToString(), time_ns) for to, message in of_tick)
     return [each for each in told if each.time_ns >= PASSED_S * 1e9]
 
 

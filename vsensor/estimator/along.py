@@ -136,12 +136,33 @@ def along(
 def late_correction(heard: Heard, of_innovation: Floats, step: int, least: int) -> float:
     """What innovations at least so many steps after a step say of a wave by gains (C, L)."""
     size, lag = heard.innovations.shape[0], of_innovation.shape[1] // heard.steps
-    first, end = (step + least) // heard.steps, min(step // heard.steps + lag, heard.newest + 1)
+    tick, end = (step + least) // heard.steps, min(step // heard.steps + lag, heard.newest + 1)
+    tick = max(tick, heard.newest - size + 1)
     total = 0.0
-    for tick in range(max(first, heard.newest - size + 1), end):
-        at, ago = tick % size, (tick + 1) * heard.steps - 1 - step
-        total += of_innovation[heard.levels[at], ago] * heard.innovations[at]
+    while tick < end:
+        # As far as the ring goes without a turn.
+        at = tick % size
+        until = at + min(end - tick, size - at)
+        gains = of_innovation[:, (tick + 1) * heard.steps - 1 - step :]
+        total += _weighted(gains, heard.steps, heard.levels[at:until], heard.innovations[at:until])
+        tick += until - at
     return total
+
+
+@compiled
+def _weighted(gains: Floats, steps: int, levels: Integers, innovations: Floats) -> float:
+    """Innovations (n,), each by the gain of its level and its age; in four sums, which wait less."""
+    a = b = c = d = 0.0
+    fours = innovations.shape[0] // 4
+    for four in range(fours):
+        k = 4 * four
+        a += gains[levels[k], k * steps] * innovations[k]
+        b += gains[levels[k + 1], (k + 1) * steps] * innovations[k + 1]
+        c += gains[levels[k + 2], (k + 2) * steps] * innovations[k + 2]
+        d += gains[levels[k + 3], (k + 3) * steps] * innovations[k + 3]
+    for k in range(4 * fours, innovations.shape[0]):
+        a += gains[levels[k], k * steps] * innovations[k]
+    return (a + b) + (c + d)
 
 
 def catch_up(heard: Heard, waves: Floats, returned: Floats) -> None:

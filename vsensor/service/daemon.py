@@ -1,7 +1,7 @@
 """The daemon: drain what has come, step, publish, record, and never wait for anyone."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import chain
 
 import zenoh
@@ -31,7 +31,7 @@ from vsensor.service.engine import Engine
 from vsensor.service.health import Health
 from vsensor.service.keeper import Keeper
 from vsensor.service.pace import Pace, Slot
-from vsensor.service.profile import Profiler
+from vsensor.service.profile import Noted, Profiler, profile_of
 from vsensor.service.ration import Ration
 from vsensor.service.realtime import Achieved, achieve, settle
 from vsensor.service.recording import Recorder, Recording
@@ -128,6 +128,7 @@ class Daemon:
                 break
         # What had come when the word to stop did is still run, however long a turn that makes.
         self._take_in(slot, lambda: True, hold=False)
+        self._tell_along(self._profiler.waiting())
         _finish(chores)
         _finish(self._each_second(lambda _status: None))
         self.voice.hand_on()
@@ -138,16 +139,16 @@ class Daemon:
         """Ahead of a slot, run what has come already: when it comes its estimates are ready to be told."""
         begun = time.monotonic_ns()
         self._making = self._run(lambda: time.monotonic_ns() < until_ns)
-        for tick, estimate in self._making:
-            self._made.append((tick, estimate))
-            if self._profiler.is_due(estimate):  # a profile is of the string as this tick has left it
-                break
+        self._made.extend(self._making)
         self.health.prepared(time.monotonic_ns() - begun)
 
     def _turn(self, slot: Slot) -> None:
         self._count_owed(slot)
         self._ration.begin()
+        # Of ticks before this turn: an estimate and a profile in one take longer than a slot at 2 kHz.
+        profiles = self._profiler.waiting()
         self._take_in(slot, self._ration.lasts)
+        self._tell_along(profiles)
         self.health.listen()
         self._seat.answer(self.status.SerializeToString, self._obey)
 
@@ -166,7 +167,10 @@ class Daemon:
             if received.fault:
                 self.fault = f"{received.topic}: a sample {received.fault}"
             self.voice.record_received(received)
-            yield from self._engine.take(received.topic, received.sample)
+            for tick, estimate in self._engine.take(received.topic, received.sample):
+                if self.health.shedding.level < NO_PROFILE:
+                    self._profiler.note(estimate)
+                yield tick, estimate
 
     def _obey(self, words: str) -> str:
         if self._recording is not None and (said := self._recording.obey(words)) is not None:
@@ -196,11 +200,13 @@ class Daemon:
             self.voice.publish(BIT_TORQUE, _as_sensor(estimate, "now_bit_torque", "nm"), tick.time_ns)
         for event in self._watch.tick(tick, estimate):
             self.voice.tell(event)
-        if self.health.shedding.level < NO_PROFILE and (profile := self._profiler.look(estimate)):
+        self.health.published += 1
+
+    def _tell_along(self, noted: Iterable[Noted]) -> None:
+        for profile in map(profile_of, noted):
             self.voice.publish(STRING_PROFILE, profile, profile.time_ns)
             if (over := self._watch.profile(profile)) is not None:
                 self.voice.tell(over)
-        self.health.published += 1
 
     def _each_second(self, told: Callable[[Status], None]) -> Iterator[None]:
         """What is due once a second, in parts: together they would take longer than a slot at 1 kHz."""

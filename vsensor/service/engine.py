@@ -45,14 +45,21 @@ _FIELDS = (
 )
 
 
+RECENT_HZ = 100.0
+"""So often a second, at the most, the bit is kept for the figures of the last while: its band is 3 Hz."""
+
+
 class Engine:
     """Intake and estimator of one rig."""
 
     def __init__(self, rig: Rig) -> None:
         self.intake = Intake(rig)
         self.estimator = Estimator(rig)
-        self.recent = np.full((ROWS, max(1, round(rig.estimator.severity_window * rig.loop.rate))), np.nan)
-        """The bit as confirmed in the last ticks, and the top at its time, in no order; rows: `figures`."""
+        self._apart = max(1, int(rig.loop.rate / RECENT_HZ))
+        self.recent_s = self._apart / rig.loop.rate
+        """Time between two columns of `recent`."""
+        self.recent = np.full((ROWS, max(1, round(rig.estimator.severity_window / self.recent_s))), np.nan)
+        """The bit as confirmed in the last while, and the top at its time, in no order; rows: `figures`."""
         self._newest = 0
         self._warm = False
 
@@ -91,10 +98,14 @@ class Engine:
         flags |= NO_FORECAST if tick.forecast_shed else 0
         values, reasons = self.estimator.step(tick.motor_torque_nm, tick.motor_speed_rad_s, flags)
         self._warm = not reasons & Reason.WARMING_UP
-        self._newest = tick.number % self.recent.shape[1]
-        bit = values[CONFIRMED + SPEED], values[CONFIRMED + TORQUE]
-        self.recent[:, self._newest] = *bit, *(self.estimator.top() if self._warm else (math.nan, math.nan))
+        if not tick.number % self._apart:
+            self._newest = tick.number // self._apart % self.recent.shape[1]
+            self._keep(values[CONFIRMED + SPEED], values[CONFIRMED + TORQUE])
         return self._estimate(tick, values, Reason(reasons))
+
+    def _keep(self, speed: float, torque: float) -> None:
+        top = self.estimator.top() if self._warm else (math.nan, math.nan)
+        self.recent[:, self._newest] = speed, torque, *top
 
     def _estimate(self, tick: Tick, values: Floats, reasons: Reason) -> Estimate:
         estimate = Estimate(number=tick.number, time_ns=tick.time_ns, reasons=reasons)

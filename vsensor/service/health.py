@@ -129,7 +129,7 @@ class Health:
     def look_back(self) -> None:
         """Work out the figures of the configured window."""
         self.severity: float = severity(self._engine.recent[BIT_SPEED])
-        self._figures = figures(self._engine.window, 1 / self._rig.loop.rate)
+        self._figures = figures(self._engine.window, self._engine.recent_s)
 
     def status(self, state: str, recorder: Recorded | None, keeper: Keeps | None = None) -> Status:
         """The status of this moment; begins a new second."""

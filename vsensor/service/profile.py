@@ -1,12 +1,13 @@
 """The string's profile as a message: what stands along it, how sure that is, and how near its limit."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from vsensor.config import Rig
+from vsensor.config import Component, Rig
 from vsensor.estimator import component
-from vsensor.estimator.along import SPEED, TORQUE
+from vsensor.estimator.along import SPEED, TORQUE, Stations
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.strength import hanging_weight, torsional_limit
@@ -16,79 +17,115 @@ RATE_HZ = 10.0
 """Profiles a second: three for each period of the fastest swing in the band of 3 Hz."""
 
 
-class Profiler:
-    """Makes profiles of one rig's string from what its estimator knows."""
+class Layout(NamedTuple):
+    """What does not change along a string: at n stations."""
 
-    def __init__(self, rig: Rig, estimator: Estimator) -> None:
-        self._rig = rig
-        self._estimator = estimator
-        self._every = max(1, round(rig.loop.rate / RATE_HZ))
-        self._lay_out()
+    at: Stations
+    names: list[str]
+    """Of the components;"""
+    limited_by: list[str]
+    """what limits their torque,"""
+    limit: Floats
+    """and to what, N·m, shape (n,)."""
+    stress: Floats
+    """Shear stress of 1 N·m, Pa, shape (n,)."""
 
-    def _lay_out(self) -> None:
-        at, string = self._estimator.stations, self._estimator.string
-        self._laid_out = at
-        self._share = at.depth / at.depth[-1]
-        parts = [string[number] for number in at.component]
-        # Off bottom and straight down tension is greatest: on the safe side in any well.
-        mud = self._rig.wellbore.mud_density if self._rig.wellbore else 0.0
-        tensions = hanging_weight(string, at.depth, mud).tolist()
-        limits = [torsional_limit(part, tension) for part, tension in zip(parts, tensions, strict=True)]
-        self._names = [part.name for part in parts]
-        self._limited_by = [limit.by if limit else "" for limit in limits]
-        self._limit = np.array([limit.torque if limit else math.nan for limit in limits])
-        self._stress = np.array([component.stress_of_torque(part) for part in parts])
 
-    def is_due(self, estimate: Estimate) -> bool:
-        """Whether there is a profile to this estimate."""
-        return not estimate.number % self._every and estimate.HasField("confirmed_bit_speed_std_rad_s")
+class Noted(NamedTuple):
+    """What an estimator knew along the string once the tick of an estimate was run."""
 
-    def look(self, estimate: Estimate) -> Profile | None:
-        """The profile at the confirmed time of the newest estimate; None where there is none."""
-        if not self.is_due(estimate):
-            return None
-        if self._estimator.stations is not self._laid_out:  # the string was made longer
-            self._lay_out()
-        speed, torque = self._estimator.profile()
-        speed_noise, torque_noise = self._estimator.noise
-        speed_std = self._widened(SPEED, estimate.confirmed_bit_speed_std_rad_s, float(speed_noise))
-        torque_std = self._widened(TORQUE, estimate.confirmed_bit_torque_std_nm, float(torque_noise))
-        with np.errstate(
-            divide="ignore", invalid="ignore"
-        ):  # nothing is left of a pipe that its own weight tears
-            margin = 1 - np.abs(torque) / self._limit
-        profile = Profile(
-            number=estimate.number,
-            time_ns=estimate.confirmed_time_ns,
-            quality=estimate.quality,
-            reasons=estimate.reasons,
-            depth_m=self._estimator.stations.depth.tolist(),
-            speed_rad_s=speed.tolist(),
-            speed_std_rad_s=speed_std.tolist(),
-            torque_nm=torque.tolist(),
-            torque_std_nm=torque_std.tolist(),
-            shear_stress_pa=(torque * self._stress).tolist(),
-            shear_stress_std_pa=(torque_std * self._stress).tolist(),
-            torque_limit_nm=self._limit.tolist(),
-            margin=margin.tolist(),
-        )
-        if not np.isnan(margin).all():
-            self._name_weakest(profile, int(np.nanargmin(margin)))
-        return profile
+    estimate: Estimate
+    layout: Layout
+    known: Floats
+    """Speed, rad/s, and torque, N·m, at each station, shape (2, n)."""
+    noise: Floats
+    """What noise and rock leave of both as confirmed, one deviation, shape (2,),"""
+    along: Floats
+    """and at each station, shape (2, n)."""
 
-    def _name_weakest(self, profile: Profile, at: int) -> None:
-        profile.weakest_component = self._names[at]
-        profile.weakest_depth_m = profile.depth_m[at]
-        profile.weakest_torque_nm = profile.torque_nm[at]
-        profile.weakest_torque_std_nm = profile.torque_std_nm[at]
-        profile.weakest_limit_nm = profile.torque_limit_nm[at]
-        profile.weakest_limited_by = self._limited_by[at]
-        profile.weakest_margin = profile.margin[at]
-
-    def _widened(self, quantity: int, told: float, noise: float) -> Floats:
+    def deviation(self, quantity: int, told: float) -> Floats:
         """The deviation along the string: by noise, and downwards more of what the bit has besides.
 
         That is what uncertain parameters cost, which grows on the way, and a silent channel.
         """
-        more = max(told**2 - noise**2, 0.0)
-        return np.asarray(np.sqrt(self._estimator.profile_noise[quantity] ** 2 + more * self._share**2))
+        more = max(told**2 - self.noise[quantity] ** 2, 0.0)
+        depth = self.layout.at.depth
+        return np.asarray(np.sqrt(self.along[quantity] ** 2 + more * (depth / depth[-1]) ** 2))
+
+
+class Profiler:
+    """Notes what an estimator knows along its string; the message is made of it when there is time."""
+
+    def __init__(self, rig: Rig, estimator: Estimator) -> None:
+        # Off bottom and straight down tension is greatest: on the safe side in any well.
+        self._mud = rig.wellbore.mud_density if rig.wellbore else 0.0
+        self._estimator = estimator
+        self._every = max(1, round(rig.loop.rate / RATE_HZ))
+        self._layout = lay_out(estimator.string, estimator.stations, self._mud)
+        self._noted: list[Noted] = []
+
+    def note(self, estimate: Estimate) -> None:
+        """Note what is known along the string where a profile is due, before another tick is run."""
+        if estimate.number % self._every or not estimate.HasField("confirmed_bit_speed_std_rad_s"):
+            return
+        of = self._estimator
+        if of.stations is not self._layout.at:  # the string was made longer
+            self._layout = lay_out(of.string, of.stations, self._mud)
+        self._noted.append(Noted(estimate, self._layout, of.profile().copy(), of.noise, of.profile_noise))
+
+    def waiting(self) -> list[Noted]:
+        """What was noted since the last call."""
+        waiting, self._noted = self._noted, []
+        return waiting
+
+
+def lay_out(string: tuple[Component, ...], at: Stations, mud: float) -> Layout:
+    """Lay out what does not change along a string, at its stations, in mud of so many kg/m³."""
+    parts = [string[number] for number in at.component]
+    tensions = hanging_weight(string, at.depth, mud).tolist()
+    limits = [torsional_limit(part, tension) for part, tension in zip(parts, tensions, strict=True)]
+    return Layout(
+        at,
+        names=[part.name for part in parts],
+        limited_by=[limit.by if limit else "" for limit in limits],
+        limit=np.array([limit.torque if limit else math.nan for limit in limits]),
+        stress=np.array([component.stress_of_torque(part) for part in parts]),
+    )
+
+
+def profile_of(noted: Noted) -> Profile:
+    """The profile of a tick that was noted, at the confirmed time of its estimate."""
+    estimate, layout, (speed, torque) = noted.estimate, noted.layout, noted.known
+    torque_std = noted.deviation(TORQUE, estimate.confirmed_bit_torque_std_nm)
+    with np.errstate(
+        divide="ignore", invalid="ignore"
+    ):  # nothing is left of a pipe that its own weight tears
+        margin = 1 - np.abs(torque) / layout.limit
+    profile = Profile(
+        number=estimate.number,
+        time_ns=estimate.confirmed_time_ns,
+        quality=estimate.quality,
+        reasons=estimate.reasons,
+        depth_m=layout.at.depth.tolist(),
+        speed_rad_s=speed.tolist(),
+        speed_std_rad_s=noted.deviation(SPEED, estimate.confirmed_bit_speed_std_rad_s).tolist(),
+        torque_nm=torque.tolist(),
+        torque_std_nm=torque_std.tolist(),
+        shear_stress_pa=(torque * layout.stress).tolist(),
+        shear_stress_std_pa=(torque_std * layout.stress).tolist(),
+        torque_limit_nm=layout.limit.tolist(),
+        margin=margin.tolist(),
+    )
+    if not np.isnan(margin).all():
+        _name_weakest(profile, layout, int(np.nanargmin(margin)))
+    return profile
+
+
+def _name_weakest(profile: Profile, layout: Layout, at: int) -> None:
+    profile.weakest_component = layout.names[at]
+    profile.weakest_depth_m = profile.depth_m[at]
+    profile.weakest_torque_nm = profile.torque_nm[at]
+    profile.weakest_torque_std_nm = profile.torque_std_nm[at]
+    profile.weakest_limit_nm = profile.torque_limit_nm[at]
+    profile.weakest_limited_by = layout.limited_by[at]
+    profile.weakest_margin = profile.margin[at]
