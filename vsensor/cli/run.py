@@ -67,16 +67,14 @@ def run(
             supervisor.ready()
             say.info("READY")
 
-            def each_second(status: "Status") -> None:
-                supervisor.each_second(status)
+            def say_it(status: "Status") -> None:
                 teller.tell(status, daemon.fault, daemon.voice.news())
-                if exporter is not None:
-                    exporter.tell(status)
 
             pace = Pace(rig.loop.rate, MonotonicClock(), daemon.prepare)
-            daemon.run(pace, each_second, stopped)
+            ears = (supervisor.each_second, say_it, *((exporter.tell,) if exporter is not None else ()))
+            daemon.run(pace, ears, stopped)
             supervisor.stopping()
-        _account(say, daemon.status)
+        _account(say, daemon.health.status)
 
 
 @contextmanager

@@ -24,8 +24,6 @@ IRREGULAR = 0.2
 class Figures(NamedTuple):
     """Over one window; NaN where not known. Named as the fields of the status."""
 
-    stick_slip_period_s: float
-    """Mean time from one release of the bit to the next, and from one stop to the next, s."""
     stuck_share: float
     """Share of the time in which the bit stands (below STUCK_SPEED) while the top turns twice as fast."""
     back_rotation_share: float
@@ -41,7 +39,7 @@ class Figures(NamedTuple):
 
 
 def figures(window: Floats, tick_s: float) -> Figures:
-    """All figures of a window, shape (ROWS, n), one column a tick, oldest first."""
+    """Figures of a window, shape (ROWS, n), one column a tick, oldest first."""
     known = window[:, np.isfinite(window).all(axis=0)]
     if known.shape[1] == 0:
         return Figures(*[math.nan] * len(Figures._fields))
@@ -49,7 +47,6 @@ def figures(window: Floats, tick_s: float) -> Figures:
     fed = float(np.mean(known[TOP_SPEED] * known[TOP_TORQUE]))
     given = float(np.mean(known[BIT_SPEED] * known[BIT_TORQUE]))
     return Figures(
-        stick_slip_period_s=period(window[BIT_SPEED], tick_s),
         stuck_share=float(np.mean(_stands(known))),
         back_rotation_share=float(np.mean(back)),
         back_rotation_turns=float(np.abs(known[BIT_SPEED][back]).sum()) * tick_s / (2 * math.pi),
@@ -60,10 +57,11 @@ def figures(window: Floats, tick_s: float) -> Figures:
 
 
 def period(speeds: Floats, tick_s: float) -> float:
-    """Mean time between releases, and between stops, s; NaN where there are too few, or irregular ones.
+    """Period of stick-slip, s; NaN where the bit sticks too seldom, or irregularly.
 
-    A release is the speed's way from the lowest quarter of its range into the highest, a stop the way
-    back. `speeds` (n,) in rad/s, NaN where unknown.
+    It is the mean time from one release to the next, and from one stop to the next. A release is the
+    speed's way from the lowest quarter of its range into the highest, a stop the way back. `speeds` (n,) in
+    rad/s, NaN where unknown.
     """
     finite = speeds[np.isfinite(speeds)]
     if len(finite) == 0:

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterable, Iterator
-from itertools import chain
+from itertools import chain, islice
 
 import zenoh
 
@@ -45,12 +45,16 @@ REFUSING_SHARE = 0.5
 """Of a flood, half of what may be accepted in a turn is refused in it: the rest waits, and falls out."""
 OWED_S = 5.0
 """So long after slots were skipped their samples may come: links that have ended are back by then."""
+PARTS_HZ = 100.0
+"""Of what is due each second so many parts a second, at the least: it has a dozen."""
 SEAT_PATIENCE_S = 1.5
 """Links to other routers are made by then, and it is known whether another sensor speaks."""
 
 
 Made = tuple[Tick, Estimate]
 """A tick that was run, and what came of it."""
+Ear = Callable[[Status], object]
+"""Who is told the status."""
 
 
 class Daemon:
@@ -89,8 +93,9 @@ class Daemon:
         self.voice = Voice(session, rig, recorder, self.health)
         self._made: list[Made] = []
         self._making: Iterator[Made] = iter(())
-        self.status = self.health.status(STARTING, recorder)
+        _finish(self.health.take_stock(STARTING, recorder))
         self._per_second = round(rig.loop.rate)
+        self._parts_a_turn = max(1, round(PARTS_HZ / rig.loop.rate))
         self._ration = Ration(rig.loop.rate)
         self.fault = ""
         """What made the last unreadable sample unreadable."""
@@ -103,8 +108,8 @@ class Daemon:
         )
         self.voice.mute(not self._seat.taken)
 
-    def run(self, pace: Pace, told: Callable[[Status], None], stopped: Callable[[], bool]) -> None:
-        """Turn once each slot until told to stop; `told` hears the status of each second."""
+    def run(self, pace: Pace, ears: Iterable[Ear], stopped: Callable[[], bool]) -> None:
+        """Turn once each slot until told to stop; `ears` hear the status of each second, one a turn."""
         settle()
         if self._recording is not None:
             self._recording.remember()
@@ -120,8 +125,9 @@ class Daemon:
             if slot.number // self._per_second > second:
                 second = slot.number // self._per_second
                 _finish(chores)
-                chores = self._each_second(told)
-            next(chores, None)
+                chores = self._each_second(ears)
+            for _ in islice(chores, self._parts_a_turn):
+                pass
             self.voice.hand_on()
             self.health.end(time.monotonic_ns() - begun)
             if stopped():
@@ -130,7 +136,7 @@ class Daemon:
         self._take_in(slot, lambda: True, hold=False)
         self._tell_along(self._profiler.waiting())
         _finish(chores)
-        _finish(self._each_second(lambda _status: None))
+        _finish(self._each_second(()))
         self.voice.hand_on()
         if self._keeper is not None and self._seat.taken:
             self._keeper.save()
@@ -150,7 +156,7 @@ class Daemon:
         self._take_in(slot, self._ration.lasts)
         self._tell_along(profiles)
         self.health.listen()
-        self._seat.answer(self.status.SerializeToString, self._obey)
+        self._seat.answer(self.health.status.SerializeToString, self._obey)
 
     def _take_in(self, slot: Slot, more: Callable[[], bool], *, hold: bool = True) -> None:
         prepared = chain(self._made, self._making)
@@ -208,8 +214,8 @@ class Daemon:
             if (over := self._watch.profile(profile)) is not None:
                 self.voice.tell(over)
 
-    def _each_second(self, told: Callable[[Status], None]) -> Iterator[None]:
-        """What is due once a second, in parts: together they would take longer than a slot at 1 kHz."""
+    def _each_second(self, ears: Iterable[Ear]) -> Iterator[None]:
+        """What is due once a second, in parts: at 2 kHz a turn has time for one of them."""
         for note in self._recording.each_second() if self._recording is not None else ():
             self.voice.tell(self._watch.note(*note))
         if words := self._seat.look():
@@ -219,7 +225,7 @@ class Daemon:
             self._keeper.each_second()
         self._read_again()
         yield
-        self.health.look_back()
+        yield from self.health.look_back()
         yield
         self.health.bus_missed = self._inbox.missed
         self.health.inbox_waiting = self._inbox.most_waiting()
@@ -230,13 +236,15 @@ class Daemon:
         for event in self._each_second_seen():
             self.voice.tell(event)
         yield
-        self.status = self.health.status(self._state(), self._recorder, self._keeper)
+        yield from self.health.take_stock(self._state(), self._recorder, self._keeper)
         yield
-        self.voice.publish(SENSOR_STATUS, self.status, self.status.time_ns)
+        self.voice.publish(SENSOR_STATUS, self.health.status, self.health.status.time_ns)
         yield
         if description := self._describer.second():
             self.voice.publish(STRING_DESCRIPTION, description, description.time_ns)
-        told(self.status)
+        for ear in ears:
+            yield
+            ear(self.health.status)
 
     def _read_again(self) -> None:
         """Take up what may change of a configuration that was read again."""

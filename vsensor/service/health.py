@@ -2,12 +2,12 @@
 
 import math
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Protocol
 
 from vsensor import __version__
 from vsensor.config import Rig
-from vsensor.estimator.figures import BIT_SPEED, figures
+from vsensor.estimator.figures import BIT_SPEED, figures, period
 from vsensor.estimator.severity import severity
 from vsensor.grid import NS
 from vsensor.messages import ChannelStatus, Status
@@ -64,7 +64,8 @@ class Health:
         self._prepared_ns = 0
         self._worked_ns = 0
         self._second_ns = self._started_ns
-        self.look_back()
+        for _ in self.look_back():
+            pass
         self.load = 0.0
         """Share of the last second that the loop worked."""
         self.shedding = Shedding()
@@ -74,6 +75,8 @@ class Health:
         """Surface samples that the bus lost."""
         self.inbox_waiting = 0
         """The most of them that waited for one turn in the last second."""
+        self.status = Status()
+        """The last that was made."""
         self.slots_run = 0
         self.slots_skipped = 0
         self.ticks = 0
@@ -126,14 +129,19 @@ class Health:
             return False
         return time.monotonic_ns() - min(self._heard_ns.values()) > SILENCE_NS
 
-    def look_back(self) -> None:
-        """Work out the figures of the configured window."""
+    def look_back(self) -> Iterator[None]:
+        """Work out the figures of the configured window, in parts, none of which takes long."""
         self.severity: float = severity(self._engine.recent[BIT_SPEED])
-        self._figures = figures(self._engine.window, self._engine.recent_s)
+        window, apart_s = self._engine.window, self._engine.recent_s
+        yield
+        self._period_s = period(window[BIT_SPEED], apart_s)
+        yield
+        self._figures = figures(window, apart_s)
 
-    def status(self, state: str, recorder: Recorded | None, keeper: Keeps | None = None) -> Status:
-        """The status of this moment; begins a new second."""
-        estimator = self._engine.estimator
+    def take_stock(
+        self, state: str, recorder: Recorded | None, keeper: Keeps | None = None
+    ) -> Iterator[None]:
+        """Make the status of this moment, in parts like `look_back`; begins a new second."""
         status = Status(
             time_ns=time.time_ns(),
             rig=self._rig.rig.name,
@@ -149,24 +157,16 @@ class Health:
             published=self.published,
             channels=self._channels(),
             severity_window_s=self._rig.estimator.severity_window,
-            confirmed_delay_s=estimator.confirmed_delay,
-            forecast_horizon_s=estimator.forecast_horizon,
-            law_viscous_nm_s_rad=estimator.law.viscous_friction,
-            law_kinetic_nm=estimator.law.kinetic_torque,
-            law_static_nm=estimator.law.static_torque,
-            law_stribeck_rad_s=estimator.law.stribeck_speed,
         )
+        self._tell_of_bit(status)
+        yield
         self._tell_of_estimator(status)
+        yield
         self._tell_of_loop(status)
         if keeper is not None and keeper.saved_ns:
             status.learned_saved_ns = keeper.saved_ns
         if keeper is not None and keeper.trouble:
             status.learned_trouble = keeper.trouble
-        if not math.isnan(self.severity):
-            status.severity = self.severity
-        for name, value in self._figures._asdict().items():
-            if not math.isnan(value):
-                setattr(status, name, value)
         if recorder is not None:
             if trouble := recorder.trouble():
                 status.recording_trouble = trouble
@@ -176,7 +176,13 @@ class Health:
                 setattr(status, name, value)
             status.recorded = recorder.sent
             status.recorder_dropped = recorder.dropped
-        return status
+        self.status = status
+
+    def _tell_of_bit(self, status: Status) -> None:
+        told = {"severity": self.severity, "stick_slip_period_s": self._period_s, **self._figures._asdict()}
+        for name, value in told.items():
+            if not math.isnan(value):
+                setattr(status, name, value)
 
     def _tell_of_loop(self, status: Status) -> None:
         told = {
@@ -204,6 +210,11 @@ class Health:
 
     def _tell_of_estimator(self, status: Status) -> None:
         estimator = self._engine.estimator
+        law = estimator.law
+        status.confirmed_delay_s = estimator.confirmed_delay
+        status.forecast_horizon_s = estimator.forecast_horizon
+        status.law_viscous_nm_s_rad, status.law_kinetic_nm = law.viscous_friction, law.kinetic_torque
+        status.law_static_nm, status.law_stribeck_rad_s = law.static_torque, law.stribeck_speed
         corrections = zip(estimator.tuning.tolist(), estimator.tuning_std.tolist(), strict=True)
         (status.delay_correction, status.delay_correction_std) = next(corrections)
         (status.inertia_correction, status.inertia_correction_std) = next(corrections)
