@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsensor.grid import NS
-from vsensor.service.pace import LEAD_NS, MonotonicClock, Pace, Slot
+from vsensor.service.pace import LEADS_NS, MonotonicClock, Pace, Slot
 
 MS = 1_000_000
 rates = st.floats(1, 5000)
@@ -109,16 +109,17 @@ def test_a_deadline_that_has_passed_is_not_waited_for(monkeypatch: pytest.Monkey
 
 
 @pytest.mark.parametrize(
-    ("rate", "lead_ns", "times"), [(100.0, LEAD_NS, 5), (1000.0, 400_000, 5), (2000.0, 0, 0)]
+    ("rate", "leads_ns"),
+    [(100.0, LEADS_NS), (500.0, (800_000, 400_000)), (1000.0, (400_000,)), (2000.0, ())],
 )
-def test_a_slot_is_prepared_where_there_is_time(rate: float, lead_ns: int, times: int) -> None:
+def test_a_slot_is_prepared_where_there_is_time(rate: float, leads_ns: tuple[int, ...]) -> None:
     clock = FakeClock([0])
     prepared: list[tuple[int, int]] = []
     begun = clock.time
     for _ in islice(Pace(rate, clock, lambda until: prepared.append((clock.time, until))).slots(), 5):
         pass
-    deadlines = [begun + round((k + 1) * NS / rate) for k in range(times)]
-    assert prepared == [(deadline - lead_ns, deadline - lead_ns // 2) for deadline in deadlines]
+    deadlines = [begun + round((k + 1) * NS / rate) for k in range(5)]
+    assert prepared == [(slot - lead, slot - lead + lead // 2) for slot in deadlines for lead in leads_ns]
 
 
 def test_a_slot_that_is_due_before_it_could_be_prepared_is_not() -> None:
@@ -126,15 +127,27 @@ def test_a_slot_that_is_due_before_it_could_be_prepared_is_not() -> None:
     prepared: list[int] = []
     for slot in islice(Pace(100.0, clock, lambda _until: prepared.append(clock.time)).slots(), 4):
         if slot.number == 2:
-            clock.time += 10 * MS - LEAD_NS // 2
-    assert len(prepared) == 3
+            clock.time += 10 * MS - LEADS_NS[1] // 2
+    assert len(prepared) == 3 * len(LEADS_NS)
+
+
+def test_what_takes_until_the_second_time_to_prepare_is_not_prepared_twice() -> None:
+    clock = FakeClock([0])
+    prepared: list[int] = []
+
+    def prepare(_until_ns: int) -> None:
+        prepared.append(clock.time)
+        clock.time += LEADS_NS[0] - LEADS_NS[1]
+
+    taken = list(islice(Pace(100.0, clock, prepare).slots(), 4))
+    assert prepared == [clock.start + 10 * MS * slot.number - LEADS_NS[0] for slot in taken]
 
 
 def test_preparing_for_too_long_makes_its_own_slot_late_and_no_other() -> None:
     clock = FakeClock([0])
 
     def prepare(_until_ns: int) -> None:
-        clock.time += LEAD_NS + 300_000 if clock.time < clock.start + 15 * MS else 0
+        clock.time += LEADS_NS[0] + 300_000 if clock.time < clock.start + 15 * MS else 0
 
     taken = list(islice(Pace(100.0, clock, prepare).slots(), 4))
     assert [slot.lateness_ns for slot in taken] == [300_000, 0, 0, 0]

@@ -92,7 +92,6 @@ class Daemon:
         self.health = Health(rig, engine, self._watch.sticks, realtime)
         self.voice = Voice(session, rig, recorder, self.health)
         self._made: list[Made] = []
-        self._making: Iterator[Made] = iter(())
         _finish(self.health.take_stock(STARTING, recorder))
         self._per_second = round(rig.loop.rate)
         self._parts_a_turn = max(1, round(PARTS_HZ / rig.loop.rate))
@@ -144,8 +143,7 @@ class Daemon:
     def prepare(self, until_ns: int) -> None:
         """Ahead of a slot, run what has come already: when it comes its estimates are ready to be told."""
         begun = time.monotonic_ns()
-        self._making = self._run(lambda: time.monotonic_ns() < until_ns)
-        self._made.extend(self._making)
+        self._made.extend(self._run(lambda: time.monotonic_ns() < until_ns))
         self.health.prepared(time.monotonic_ns() - begun)
 
     def _turn(self, slot: Slot) -> None:
@@ -159,8 +157,7 @@ class Daemon:
         self._seat.answer(self.health.status.SerializeToString, self._obey)
 
     def _take_in(self, slot: Slot, more: Callable[[], bool], *, hold: bool = True) -> None:
-        prepared = chain(self._made, self._making)
-        self._made, self._making = [], iter(())
+        prepared, self._made = self._made, []
         for tick, estimate in chain(prepared, self._run(more, hold=hold)):
             self._publish_tick(slot, tick, estimate)
 

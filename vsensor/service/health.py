@@ -94,7 +94,7 @@ class Health:
 
     def prepared(self, work_ns: int) -> None:
         """Note how long it took to prepare the slot that comes."""
-        self._prepared_ns = work_ns
+        self._prepared_ns += work_ns
 
     def end(self, turn_ns: int) -> None:
         """Note how long the slot's work took, its turn and before, and how much went into publishing."""

@@ -6,12 +6,12 @@ from typing import NamedTuple, Protocol
 
 from vsensor.grid import NS
 
-LEAD_NS = 1_200_000
-"""So long before a slot it is prepared,"""
+LEADS_NS = (1_200_000, 400_000)
+"""So long before a slot it is prepared, and once more for what has come since;"""
 LEAD_SHARE = 0.4
-"""and by no more of a slot;"""
+"""by no more of a slot,"""
 LEAST_LEAD_NS = 300_000
-"""where that is less than a tick may take, not at all."""
+"""and where that is less than a tick may take, not at all."""
 
 
 class Clock(Protocol):
@@ -59,8 +59,8 @@ class Pace:
         """
         self._rate = rate_hz
         self._clock = clock
-        self._lead_ns = min(LEAD_NS, round(LEAD_SHARE * NS / rate_hz))
-        self._prepare = prepare if self._lead_ns >= LEAST_LEAD_NS else None
+        self._prepare = prepare
+        self._leads_ns = _leads_ns(rate_hz)
         self.start_ns = 0
         """Slot 0, by the clock."""
 
@@ -71,11 +71,22 @@ class Pace:
         while True:
             due = number + 1
             deadline = start + round(due * NS / self._rate)
-            ahead = deadline - self._lead_ns
-            if self._prepare is not None and self._clock.now_ns() < ahead:
-                self._clock.sleep_until(ahead)
-                self._prepare(ahead + self._lead_ns // 2)
+            if self._prepare is not None:
+                self._prepare_for(deadline, self._prepare)
             self._clock.sleep_until(deadline)
             now = self._clock.now_ns()
             number = max(due, int((now - start) * self._rate / NS))
             yield Slot(number, now - deadline, number - due)
+
+    def _prepare_for(self, deadline: int, prepare: Callable[[int], object]) -> None:
+        for lead_ns in self._leads_ns:
+            ahead = deadline - lead_ns
+            if self._clock.now_ns() < ahead:
+                self._clock.sleep_until(ahead)
+                prepare(ahead + lead_ns // 2)
+
+
+def _leads_ns(rate_hz: float) -> list[int]:
+    longest = round(LEAD_SHARE * NS / rate_hz)
+    leads = {min(lead, longest) for lead in LEADS_NS}
+    return sorted((lead for lead in leads if lead >= LEAST_LEAD_NS), reverse=True)
