@@ -21,6 +21,7 @@ from vsensor.estimator.along import (
     along,
     catch_up,
     keep_returned,
+    late_correction,
     stations,
 )
 from vsensor.estimator.line import march
@@ -181,6 +182,13 @@ def test_what_is_heard_of_waves_may_be_added_late(seed: int, steps: int, lag: in
         correct_waves(of_waves[level], inside, late[0], last, said)
     heard = Heard(of_waves, inside, of_returned, innovations, levels, ticks - 1, steps)
     known = np.arange(max(0, (ticks - 24) * steps, ticks * steps - 64), ticks * steps)
+    for section, (f, g) in enumerate(np.moveaxis(at_once, 1, 0)):
+        for step in known.tolist():
+            least = int(inside[section])
+            said_of_f = late_correction(heard, of_waves[:, section], step, least)
+            assert late[0, section, step & 63] + said_of_f == pytest.approx(f[step & 63], abs=1e-12)
+            said_of_g = late_correction(heard, of_returned[:, section], step, 0)
+            assert late[1, section, step & 63] + said_of_g == pytest.approx(g[step & 63], abs=1e-12)
     catch_up(heard, late[0], late[1])
     np.testing.assert_allclose(late[..., known & 63], at_once[..., known & 63], atol=1e-12)
 

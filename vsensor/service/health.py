@@ -60,6 +60,12 @@ class Health:
         self._work = Histogram()
         self._input_age = Histogram()
         self._publish = Histogram()
+        self._histograms = {
+            "lateness": self._lateness,
+            "work": self._work,
+            "input_age": self._input_age,
+            "publish": self._publish,
+        }
         self._publishing_ns = 0
         self._prepared_ns = 0
         self._worked_ns = 0
@@ -142,62 +148,43 @@ class Health:
         self, state: str, recorder: Recorded | None, keeper: Keeps | None = None
     ) -> Iterator[None]:
         """Make the status of this moment, in parts like `look_back`; begins a new second."""
-        status = Status(
-            time_ns=time.time_ns(),
-            rig=self._rig.rig.name,
-            version=__version__,
-            state=state,
-            uptime_s=(time.monotonic_ns() - self._started_ns) / NS,
-            rate_hz=self._rig.loop.rate,
-            slots_due=self.slots_run + self.slots_skipped,
-            slots_run=self.slots_run,
-            slots_skipped=self.slots_skipped,
-            ticks=self.ticks,
-            restarts=self._engine.intake.restarts,
-            published=self.published,
-            channels=self._channels(),
-            severity_window_s=self._rig.estimator.severity_window,
-        )
+        status = Status(rig=self._rig.rig.name, version=__version__, state=state)
         self._tell_of_bit(status)
         yield
         self._tell_of_estimator(status)
         yield
+        # All that is counted, at one moment.
         self._tell_of_loop(status)
-        if keeper is not None and keeper.saved_ns:
-            status.learned_saved_ns = keeper.saved_ns
-        if keeper is not None and keeper.trouble:
-            status.learned_trouble = keeper.trouble
-        if recorder is not None:
-            if trouble := recorder.trouble():
-                status.recording_trouble = trouble
-            elif recorder.path:
-                status.recording = recorder.path
-            for name, value in recorder.figures.items():
-                setattr(status, name, value)
-            status.recorded = recorder.sent
-            status.recorder_dropped = recorder.dropped
+        for name, histogram in self._histograms.items():
+            getattr(status, name).CopyFrom(histogram.message())
+        seconds = {name: histogram.turn_over() for name, histogram in self._histograms.items()}
+        yield
+        for name, second in seconds.items():
+            if any(second):
+                setattr(status, f"{name}_p50_s", quantile_s(second, 0.5))
+                setattr(status, f"{name}_p99_s", quantile_s(second, 0.99))
+        _tell_of_files(status, recorder, keeper)
         self.status = status
 
     def _tell_of_bit(self, status: Status) -> None:
+        status.severity_window_s = self._rig.estimator.severity_window
         told = {"severity": self.severity, "stick_slip_period_s": self._period_s, **self._figures._asdict()}
         for name, value in told.items():
             if not math.isnan(value):
                 setattr(status, name, value)
 
     def _tell_of_loop(self, status: Status) -> None:
-        told = {
-            "lateness": self._lateness,
-            "work": self._work,
-            "input_age": self._input_age,
-            "publish": self._publish,
-        }
-        for name, histogram in told.items():
-            getattr(status, name).CopyFrom(histogram.message())
-            second = histogram.turn_over()
-            if any(second):
-                setattr(status, f"{name}_p50_s", quantile_s(second, 0.5))
-                setattr(status, f"{name}_p99_s", quantile_s(second, 0.99))
+        status.time_ns = time.time_ns()
+        status.uptime_s = (time.monotonic_ns() - self._started_ns) / NS
+        status.rate_hz = self._rig.loop.rate
         status.grid_ns = self.grid_ns
+        status.slots_due = self.slots_run + self.slots_skipped
+        status.slots_run = self.slots_run
+        status.slots_skipped = self.slots_skipped
+        status.ticks = self.ticks
+        status.restarts = self._engine.intake.restarts
+        status.published = self.published
+        status.channels.extend(self._channels())
         status.bus_missed = self.bus_missed
         status.inbox_waiting = self.inbox_waiting
         status.load = self.load
@@ -242,3 +229,20 @@ class Health:
             if topic in self._heard_ns:
                 channel.counts.age_s = (now - self._heard_ns[topic]) / NS
             yield channel.counts
+
+
+def _tell_of_files(status: Status, recorder: Recorded | None, keeper: Keeps | None) -> None:
+    if keeper is not None and keeper.saved_ns:
+        status.learned_saved_ns = keeper.saved_ns
+    if keeper is not None and keeper.trouble:
+        status.learned_trouble = keeper.trouble
+    if recorder is None:
+        return
+    if trouble := recorder.trouble():
+        status.recording_trouble = trouble
+    elif recorder.path:
+        status.recording = recorder.path
+    for name, value in recorder.figures.items():
+        setattr(status, name, value)
+    status.recorded = recorder.sent
+    status.recorder_dropped = recorder.dropped
