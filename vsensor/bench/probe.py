@@ -1,7 +1,7 @@
 """A rig that times the sensor: `python -m vsensor.bench.probe CONFIG ECHO`; each line of input is a report.
 
-It sends both channels at the loop's rate, and hears the estimates that come of them; in turn it asks a bare
-Zenoh echo. From the tick of each estimate, and the loop's grid, it knows how long the input had to wait.
+It sends both channels at the loop's rate, and hears the estimates that come of them; between them it asks a
+bare Zenoh echo. From the tick of each estimate, and the loop's grid, it knows how long the input had to wait.
 """
 
 import json
@@ -10,12 +10,14 @@ import threading
 import time
 from pathlib import Path
 
+import numpy as np
 import zenoh
 
 from vsensor.bench.echo import ANSWERED, ASKED
 from vsensor.bench.record import drilled
 from vsensor.bus import Outbox, open_session
 from vsensor.config import Bus, Rig, load
+from vsensor.grid import NS
 from vsensor.messages import (
     BIT_ESTIMATE,
     SENSOR_STATUS,
@@ -30,6 +32,9 @@ from vsensor.messages import (
 from vsensor.service.pace import MonotonicClock, Pace
 
 ECHOES_HZ = 100.0
+ASKED_AFTER = (0.25, 0.75)
+"""Shares of a slot after the samples, by chance: right behind them it would find all processors awake, as no
+estimate does."""
 LOOKED_AT = 50_000
 """So many answers are kept for a report."""
 
@@ -62,14 +67,18 @@ class Probe:
         """Send for ever, the record again and again."""
         begun_ns = time.time_ns()
         every = max(1, round(self._rig.loop.rate / ECHOES_HZ))
-        for slot in Pace(self._rig.loop.rate, MonotonicClock()).slots():
+        clock, chance = MonotonicClock(), np.random.default_rng(1)
+        pace = Pace(self._rig.loop.rate, clock)
+        for slot in pace.slots():
             for number in range(slot.number - slot.skipped, slot.number + 1):
                 self._send(number, begun_ns, torque[number % len(torque)], speed[number % len(speed)])
             if slot.number % every == 0:
+                after = (slot.number + chance.uniform(*ASKED_AFTER)) / self._rig.loop.rate
+                clock.sleep_until(pace.start_ns + round(after * NS))
                 self._asks.put(time.monotonic_ns().to_bytes(8, "little").ljust(40, b"\0"))
 
     def _send(self, number: int, begun_ns: int, torque: float, speed: float) -> None:
-        time_ns = begun_ns + round(number * 1e9 / self._rig.loop.rate)
+        time_ns = begun_ns + round(number * NS / self._rig.loop.rate)
         self._outbox.put(SURFACE_TORQUE, Sample(time_ns=time_ns, value=torque, sequence=self._sent))
         self._put_ns[time_ns] = time.monotonic_ns()
         self._outbox.put(SURFACE_SPEED, Sample(time_ns=time_ns, value=speed, sequence=self._sent))
@@ -105,7 +114,7 @@ class Probe:
         return {"whole": whole, "behind": behind, "echo": [at - asked for at, asked in echoed]}
 
     def _woken_ns(self, tick: Tick) -> int:
-        return self._grid_ns + round(tick.slot * 1e9 / self._rig.loop.rate) + tick.lateness_ns
+        return self._grid_ns + round(tick.slot * NS / self._rig.loop.rate) + tick.lateness_ns
 
 
 def main(config: Path, echo: str) -> None:
