@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsensor.bus.allowance import NS, Allowance
+from vsensor.bus.allowance import Allowance
+from vsensor.grid import NS
 
 steps = st.lists(st.integers(0, NS // 10), min_size=1, max_size=300)
 

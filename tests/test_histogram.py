@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsensor.service.histogram import NS, UPPERS_NS, Histogram, quantile_s
+from vsensor.grid import NS
+from vsensor.service.histogram import UPPERS_NS, Histogram, quantile_s
 
 durations = st.lists(st.integers(0, 30 * NS), min_size=1, max_size=200)
 

@@ -18,8 +18,9 @@ from vsensor.config import Bus, effective_toml
 from vsensor.estimator.component import delay
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.severity import severity
+from vsensor.grid import NS
 from vsensor.messages import SENSOR_ALIVE, SURFACE_SPEED, SURFACE_TORQUE, Sample
-from vsensor.simulate.broadcast import NS, TRUTH_COLUMNS, broadcast
+from vsensor.simulate.broadcast import TRUTH_COLUMNS, broadcast
 from vsensor.simulate.rig import Reading, SimulatedRig
 from vsensor.simulate.scenario import PLANS, Scenario
 

@@ -1,6 +1,6 @@
 """So many a second and no more: what keeps a flood from the loop."""
 
-NS = 1_000_000_000
+from vsensor.grid import NS
 
 
 class Allowance:

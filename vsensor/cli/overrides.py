@@ -2,12 +2,12 @@
 
 import re
 import tomllib
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import tomli_w
 
-from vsensor.config import Rig, loads
+from vsensor.config import Rig, differences, loads
 from vsensor.errors import ConfigError
 
 _OUTSIDE = ("rig.", "bus.", "recording.", "view.")
@@ -31,29 +31,19 @@ def overridden(rig: Rig, settings: Sequence[str], source: str) -> Rig:
 
 def changed(before: Rig, after: Rig) -> list[str]:
     """Each value that differs and has a part in the estimates, as `key: before → after`."""
-    was, is_now = (dict(_leaves("", each.model_dump(mode="json"))) for each in (before, after))
-    differing = [key for key in dict.fromkeys((*was, *is_now)) if was.get(key) != is_now.get(key)]
-    return [f"{key}: {_said(was, key)} → {_said(is_now, key)}" for key in differing if _counts(key)]
+    return [
+        f"{key}: {_said(was)} → {_said(is_now)}"
+        for key, (was, is_now) in differences(before, after).items()
+        if _counts(key)
+    ]
 
 
 def _counts(key: str) -> bool:
     return not key.startswith((*_OUTSIDE, "loop.")) or key == "loop.rate"
 
 
-def _said(values: dict[str, Any], key: str) -> str:
-    value = values.get(key)
+def _said(value: Any) -> str:
     return "none" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
-
-
-def _leaves(path: str, value: Any) -> Iterator[tuple[str, Any]]:
-    if isinstance(value, dict):
-        for name, inner in value.items():
-            yield from _leaves(f"{path}.{name}" if path else name, inner)
-    elif isinstance(value, list) and value and isinstance(value[0], dict):
-        for number, inner in enumerate(value, 1):
-            yield from _leaves(f"{path}[{number}]", inner)
-    else:
-        yield path, value
 
 
 def _value(text: str) -> Any:

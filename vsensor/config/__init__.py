@@ -1,5 +1,6 @@
 """The configuration: a TOML file with units, as frozen, validated values in SI."""
 
+from vsensor.config.differences import differences
 from vsensor.config.estimation import DepthSettings, EstimatorSettings, Tuning
 from vsensor.config.hardware import Bit, Component, Measurement, TopDrive
 from vsensor.config.rig import Rig, effective_toml, load, loads
@@ -22,6 +23,7 @@ __all__ = [
     "TorqueUnit",
     "Tuning",
     "View",
+    "differences",
     "effective_toml",
     "load",
     "loads",

@@ -5,13 +5,12 @@ from collections.abc import Collection, Iterator, Sequence
 from typing import NamedTuple
 
 from vsensor.errors import InputError
+from vsensor.grid import NS
 from vsensor.messages import SURFACE_TOPICS, Message, Sample
 from vsensor.recording.reader import Record, Session
 
-_SLACK_NS = 1_000_000_000
+_SLACK_NS = NS
 """How much further apart two samples' own times may lie than their arrivals: beyond, a stamp is wrong."""
-
-NS = 1_000_000_000
 
 
 class Placed(NamedTuple):

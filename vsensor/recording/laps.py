@@ -4,8 +4,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from vsensor.errors import InputError
+from vsensor.grid import NS
 from vsensor.messages import Message, Sample
-from vsensor.recording.course import NS, Course, Placed
+from vsensor.recording.course import Course, Placed
 
 _MAX_TIME_NS = (1 << 63) - 1
 _SEQUENCES = 1 << 64

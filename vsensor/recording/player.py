@@ -5,8 +5,9 @@ from collections.abc import Callable
 from enum import Enum
 from typing import NamedTuple, Protocol
 
+from vsensor.grid import NS
 from vsensor.messages import Message
-from vsensor.recording.course import NS, Course
+from vsensor.recording.course import Course
 from vsensor.recording.laps import Laps
 
 _LOOK_NS = 50_000_000  # how often a waiting player looks whether it is told anything

@@ -5,13 +5,13 @@ Four buckets to each doubling, as of HdrHistogram: a quantile is told to within 
 
 from collections.abc import Sequence
 
+from vsensor.grid import NS
 from vsensor.messages.vsensor_pb2 import Histogram as HistogramMessage
 
 _FIRST = 10
 """The finest bucket holds all below 2^10 ns, a microsecond;"""
 _OCTAVES = 24
 """the last one all beyond 2^34 ns, 17 s."""
-NS = 1_000_000_000
 
 
 def _uppers_ns() -> list[int]:

@@ -1,11 +1,10 @@
 """A configuration read again while the sensor runs: what may change without a new start, and what may not."""
 
 import threading
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from vsensor.config import Rig, load
+from vsensor.config import Rig, differences, load
 from vsensor.errors import ConfigError
 
 SAFE = ("loop.realtime", "loop.priority", "loop.processors", "view")
@@ -14,11 +13,8 @@ SAFE = ("loop.realtime", "loop.priority", "loop.processors", "view")
 
 def changes(before: Rig, after: Rig) -> dict[str, str]:
     """Each key that differs, with what it was and is."""
-    was, now = dict(_flat(before.model_dump(mode="json"))), dict(_flat(after.model_dump(mode="json")))
     return {
-        key: f"{_shown(was.get(key))} → {_shown(now.get(key))}"
-        for key in dict.fromkeys((*was, *now))
-        if was.get(key) != now.get(key)
+        key: f"{_shown(was)} → {_shown(is_now)}" for key, (was, is_now) in differences(before, after).items()
     }
 
 
@@ -67,17 +63,6 @@ class Reload:
             self._came.append(load(self._path))
         except ConfigError as error:
             self._came.append(error)
-
-
-def _flat(table: Any, path: str = "") -> Iterator[tuple[str, Any]]:
-    if isinstance(table, dict):
-        for key, value in table.items():
-            yield from _flat(value, f"{path}.{key}" if path else key)
-    elif isinstance(table, list) and table and isinstance(table[0], dict):
-        for number, value in enumerate(table, 1):
-            yield from _flat(value, f"{path}[{number}]")
-    else:
-        yield path, table
 
 
 def _shown(value: Any) -> str:

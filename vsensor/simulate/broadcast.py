@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from vsensor.grid import NS
 from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Sample
 from vsensor.simulate.rig import Reading, SimulatedRig
 
-NS = 1_000_000_000
 TRUTH_COLUMNS = ("time_s", "bit_torque_nm", "bit_speed_rad_s")
 
 

@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable, Iterable
 from contextlib import nullcontext
 
+from vsensor.grid import NS
 from vsensor.messages import Message, Tick
 from vsensor.view.ears import Ears
 from vsensor.view.part import Every
@@ -45,7 +46,7 @@ class Show:
 
     def fill(self, messages: Iterable[Message]) -> None:
         """Show a whole session, second by second of its own time."""
-        second = Every(1_000_000_000)
+        second = Every(NS)
         for message in messages:
             self.take(message)
             if isinstance(message, Tick) and second.due(message.time_ns):

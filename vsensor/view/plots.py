@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vsensor.grid import NS
 from vsensor.messages import Description, Estimate, Message, Profile, Tick
 from vsensor.quality import Reason
 from vsensor.view import series
@@ -16,10 +17,10 @@ from vsensor.view.readings import KINDS, reading
 from vsensor.view.trace import Trace
 from vsensor.view.units import Units
 
-LIMITS_EVERY_NS = 1_000_000_000
+LIMITS_EVERY_NS = NS
 NEARING = 0.5
 """A limit is drawn where the torque comes to this share of it: far above, it would press the curves flat."""
-NEARING_NS = 10_000_000_000
+NEARING_NS = 10 * NS
 """For so long after it did: a torque that swings is near at each peak."""
 SIGMAS = 2.0
 """Standard deviations to each side of a line that its band covers."""

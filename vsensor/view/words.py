@@ -4,6 +4,7 @@ import math
 import time
 from collections.abc import Callable
 
+from vsensor.grid import NS
 from vsensor.messages import Estimate, Event, Status
 from vsensor.messages.books import LOSSES
 from vsensor.view.readings import Reading, reading
@@ -54,7 +55,7 @@ def told(event: Event) -> tuple[str, str]:
 
 def clock(time_ns: int) -> str:
     """The time of day, as the plots tell it (UTC)."""
-    return time.strftime("%H:%M:%S", time.gmtime(time_ns // 1_000_000_000))
+    return time.strftime("%H:%M:%S", time.gmtime(time_ns // NS))
 
 
 def health(status: Status, missed: int) -> str:

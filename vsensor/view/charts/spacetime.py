@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from vsensor.grid import NS
 from vsensor.messages import Message, Profile
 from vsensor.view.batches import Batch, Floats, Labels, Picture, Strokes
 from vsensor.view.charts.chart import Scale, axis
@@ -24,7 +25,7 @@ BAR_FROM, BAR_TO = COLUMNS + 8, COLUMNS + 16
 """Columns of the scale of colours beside it."""
 BOUNDS = (-36.0, BAR_TO + 30.0), (-26.0, ROWS + 36.0)
 """What of the plane is shown."""
-EVERY_NS = 1_000_000_000
+EVERY_NS = NS
 _UNKNOWN = 0
 """The palette's first colour, of what is not known."""
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from vsensor.grid import NS
 from vsensor.messages import Description, Estimate, Message
 from vsensor.view.batches import Batch, Floats, Labels, Strokes
 from vsensor.view.charts.chart import HEIGHT, LIFT, Axis, Chart
@@ -12,7 +13,7 @@ from vsensor.view.palette import BLUE, GREY, YELLOW
 from vsensor.view.part import Every, Part
 from vsensor.view.units import Units
 
-EVERY_NS = 1_000_000_000
+EVERY_NS = NS
 SPACING_NS = 20_000_000
 """Of what is kept; the swings are below 5 Hz."""
 HIGHEST_HZ = 4.0
