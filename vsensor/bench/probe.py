@@ -35,6 +35,8 @@ ECHOES_HZ = 100.0
 ASKED_AFTER = (0.25, 0.75)
 """Shares of a slot after the samples, by chance: right behind them it would find all processors awake, as no
 estimate does."""
+SWEEP_S = 5.0
+"""The samples come by a slot later in so much time, so that all phases of the slot have their turn."""
 LOOKED_AT = 50_000
 """So many answers are kept for a report."""
 
@@ -68,12 +70,13 @@ class Probe:
         begun_ns = time.time_ns()
         every = max(1, round(self._rig.loop.rate / ECHOES_HZ))
         clock, chance = MonotonicClock(), np.random.default_rng(1)
-        pace = Pace(self._rig.loop.rate, clock)
+        rate = self._rig.loop.rate - 1 / SWEEP_S
+        pace = Pace(rate, clock)
         for slot in pace.slots():
             for number in range(slot.number - slot.skipped, slot.number + 1):
                 self._send(number, begun_ns, torque[number % len(torque)], speed[number % len(speed)])
             if slot.number % every == 0:
-                after = (slot.number + chance.uniform(*ASKED_AFTER)) / self._rig.loop.rate
+                after = (slot.number + chance.uniform(*ASKED_AFTER)) / rate
                 clock.sleep_until(pace.start_ns + round(after * NS))
                 self._asks.put(time.monotonic_ns().to_bytes(8, "little").ljust(40, b"\0"))
 
