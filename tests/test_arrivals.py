@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 from tests.strings import PIPE, rig
 from tests.test_intake import BEGUN, MS, SMALL, S, T
 from tests.test_intake_books import Fed, feeds
-from vsensor.intake import Input, Intake, arrivals
-from vsensor.intake.arrivals import Arrivals, by_columns, laid
+from vsensor.intake import Input, Intake, stretch
+from vsensor.intake.arrivals import Arrivals, by_columns
+from vsensor.intake.stretch import laid
 from vsensor.messages import Sample
 
 
@@ -52,7 +53,7 @@ def test_whatever_comes_ticks_and_books_are_the_same(fed: Fed, rate: float, cut:
     configured = rig(PIPE, rate=rate)
     one, other = Intake(configured), Intake(configured)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(arrivals, "FEWEST", 4)
+        patch.setattr(stretch, "FEWEST", 4)
         assert at_once(other, known, cut) == one_by_one(one, known)
     for topic, channel in one.channels.items():
         assert other.channels[topic].counts == channel.counts

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from tests.strings import COLLAR, PIPE, rig
 from vsensor.commands import Undo, obey
-from vsensor.depth import DEEPEST_M, LASTING_S, MOST_STANDS, SILENT_S, SLACK_M, STEP_M, Depths
+from vsensor.depth import DEEPEST_M, MOST_STANDS, SLACK_M, Depths
+from vsensor.depth.belief import LASTING_S, SILENT_S, STEP_M
 from vsensor.grid import NS
 from vsensor.messages import SURFACE_BIT_DEPTH, SURFACE_HOLE_DEPTH, Sample
 from vsensor.messages.vsensor_pb2 import BAD

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.rigs import BEGUN_NS, NS, RATE, SHORT, Surface, samples
-from vsensor.depth import FRESH_S, LASTING_S
+from vsensor.depth.belief import FRESH_S, LASTING_S
 from vsensor.estimator.tune import FRICTION
 from vsensor.intake.arrivals import Arrivals
 from vsensor.messages import SURFACE_BIT_DEPTH, SURFACE_HOLE_DEPTH, SURFACE_SPEED, Estimate, Sample, Tick

@@ -5,7 +5,8 @@ import pytest
 from tests.strings import PIPE, rig
 from vsensor.commands import COMMAND
 from vsensor.intake import OBEYED, Input, Intake
-from vsensor.intake.arrivals import Arrivals, laid
+from vsensor.intake.arrivals import Arrivals
+from vsensor.intake.stretch import laid
 from vsensor.messages import (
     SENSOR_EVENT,
     SURFACE_BIT_DEPTH,

@@ -22,7 +22,8 @@ from vsensor.estimator.kernel import (
 )
 from vsensor.grid import NS, seconds
 from vsensor.intake import Input, Intake
-from vsensor.intake.arrivals import Arrivals, Feed, Inputs, by_columns, laid
+from vsensor.intake.arrivals import Arrivals, Feed, Inputs, by_columns
+from vsensor.intake.stretch import laid
 from vsensor.messages import State
 from vsensor.quality import Reason, verdict
 

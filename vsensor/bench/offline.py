@@ -16,7 +16,8 @@ from vsensor.demo import example
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.kernel import NO_FORECAST
 from vsensor.intake import Intake
-from vsensor.intake.arrivals import Arrivals, laid
+from vsensor.intake.arrivals import Arrivals
+from vsensor.intake.stretch import laid
 from vsensor.messages import Sample
 from vsensor.offline import Offline
 from vsensor.simulate.rig import SimulatedRig

@@ -158,7 +158,7 @@ class Intake:
     def refuse_unread(self, topic: str) -> None:
         """Count a sample that came too fast to be looked at."""
         if topic in DEPTH_TOPICS:
-            self.depths.refused += 1
+            self.depths.refuse()
         else:
             self.channels[topic].refuse_unread()
 

@@ -1,20 +1,18 @@
-"""What the depths tell: whether the bit is off bottom, and by how many stands the string is longer.
+"""The depths of bit and hole: what they tell of the bit and of the string's length.
 
 The bit hangs on the string, so its depth lies between the string's length and a stand less, the part that
 sticks out above the rotary table. Where it does not, stands were added or taken off: a connection.
-
-A depth counts for as long as its channel speaks. One that leaps farther than a bit can have moved is doubted
-until it was told for some seconds: a single wrong one neither cuts the string anew nor lifts the bit.
 """
 
 import math
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vsensor.config import Rig
+from vsensor.depth.belief import SILENT_S, Belief, Doubt, Known, Told
 from vsensor.grid import NS
 from vsensor.messages import SURFACE_BIT_DEPTH, SURFACE_HOLE_DEPTH, Sample
 from vsensor.quality import Quality
@@ -25,44 +23,6 @@ MOST_STANDS = 10
 """A greater step is no connection, but a wrong unit or another string: it is left alone."""
 DEEPEST_M = 20_000.0
 """Deeper than any well: no depth."""
-FRESH_S = 5.0
-PERIODS = 3
-"""A depth counts for so long, or for so many of its channel's periods where those are longer, and"""
-SILENT_S = 30.0
-"""never for longer: then the channel is silent. One so far ahead of the tick is by another clock."""
-STEP_M = 5.0
-FASTEST_M_S = 2.0
-"""No bit moves farther than this step and so much in each second: a greater leap is doubted."""
-LASTING_S = 3.0
-"""A leap is believed once it was told for so long, by two samples at least."""
-
-
-class Told(NamedTuple):
-    """A depth, m, and when it was measured."""
-
-    value: float
-    time_ns: int
-
-    def leads_to(self, later: "Told") -> bool:
-        """Whether a bit that was here can have got there."""
-        seconds = (later.time_ns - self.time_ns) / NS
-        near = abs(later.value - self.value) <= STEP_M + FASTEST_M_S * seconds
-        return near and 0 <= seconds <= SILENT_S
-
-
-class Known(NamedTuple):
-    """A depth that is believed, and how long it counts."""
-
-    told: Told
-    lasts_ns: int
-
-
-class Doubt(NamedTuple):
-    """Depths that agree with one another, and not with what is known."""
-
-    newest: Told
-    since_ns: int
-    samples: int
 
 
 class Depths:
@@ -74,12 +34,10 @@ class Depths:
         self._length = sum(part.length for part in rig.string)
         self._shortest = self._length - rig.string[0].length
         """Of pipe a stand must be left."""
-        self._known: dict[str, Known] = {}
-        self._doubted: dict[str, Doubt] = {}
+        self._beliefs: dict[str, Belief] = {}
         self._commanded: bool | None = None
         self._longer = 0.0
-        self.refused = 0
-        """Depths beyond belief."""
+        self._unfit = 0
         self.at_odds = False
         """Whether the bit's depth and the string's length differ by more than a connection could."""
 
@@ -87,6 +45,11 @@ class Depths:
     def length(self) -> float:
         """Of the string, m, with what was added while running."""
         return self._length
+
+    @property
+    def refused(self) -> int:
+        """Samples that are no depth, or were doubted and not borne out."""
+        return self._unfit + sum(belief.refused for belief in self._beliefs.values())
 
     def off_bottom(self, time_ns: int) -> bool:
         """At a tick's time: as commanded; else as the depths tell; on bottom where one of them is not known.
@@ -117,9 +80,17 @@ class Depths:
         """Take a sample of a depth channel, m; None for one that could not be read."""
         value = math.nan if sample is None or int(sample.quality) == Quality.BAD else sample.value
         if sample is None or not 0 <= value <= DEEPEST_M:
-            self.refused += 1
-        elif self._believes(topic, Told(value, sample.time_ns)) and topic == SURFACE_BIT_DEPTH:
+            self.refuse()
+            return
+        told = Told(value, sample.time_ns)
+        belief = self._beliefs[topic] = self._beliefs.get(topic, Belief()).after(told)
+        believed = belief.known is not None and belief.known.told is told
+        if believed and topic == SURFACE_BIT_DEPTH:
             self._count_stands(value)
+
+    def refuse(self) -> None:
+        """Count a sample that was not looked at, or is no depth."""
+        self._unfit += 1
 
     def settles(self, topic: str, sample: Sample) -> bool:
         """Take a sample that may as well come before the ticks around it; another is not taken.
@@ -128,14 +99,12 @@ class Depths:
         hangs on which ticks it came between.
         """
         before = self._commanded, self._lifted, self._length
-        known, doubted = dict(self._known), dict(self._doubted)
-        refused, at_odds, longer = self.refused, self.at_odds, self._longer
+        beliefs, unfit, at_odds, longer = dict(self._beliefs), self._unfit, self.at_odds, self._longer
         self.take(topic, sample)
         after = self._commanded, self._lifted, self._length
         if after == before and (self._commanded is not None or not self._lifted):
             return True
-        self._known, self._doubted = known, doubted
-        self.refused, self.at_odds, self._longer = refused, at_odds, longer
+        self._beliefs, self._unfit, self.at_odds, self._longer = beliefs, unfit, at_odds, longer
         self._length = before[2]
         return False
 
@@ -171,8 +140,12 @@ class Depths:
             "length": self._length,
             "longer": self._longer,
             "commanded": self._commanded,
-            "told": {topic: [*told, lasts] for topic, (told, lasts) in self._known.items()},
-            "doubted": {topic: [*newest, *rest] for topic, (newest, *rest) in self._doubted.items()},
+            "told": {topic: [*known.told, known.lasts_ns] for topic, known in self._known.items()},
+            "doubted": {
+                topic: [*doubt.newest, doubt.since_ns, doubt.samples]
+                for topic, belief in self._beliefs.items()
+                if (doubt := belief.doubt) is not None
+            },
         }
 
     def restore(self, saved: Mapping[str, Any]) -> None:
@@ -180,53 +153,33 @@ class Depths:
         self._length = saved["length"]
         self._longer = saved["longer"]
         self._commanded = saved["commanded"]
-        self._known = {
+        known = {
             topic: Known(Told(value, time_ns), lasts_ns)
             for topic, (value, time_ns, lasts_ns) in saved.get("told", {}).items()
         }
-        self._doubted = {
-            topic: Doubt(Told(value, time_ns), *rest)
-            for topic, (value, time_ns, *rest) in saved.get("doubted", {}).items()
+        doubts = {
+            topic: Doubt(Told(value, time_ns), since_ns, samples)
+            for topic, (value, time_ns, since_ns, samples) in saved.get("doubted", {}).items()
         }
+        topics = known.keys() | doubts.keys()
+        self._beliefs = {topic: Belief(known.get(topic), doubts.get(topic)) for topic in topics}
+
+    @property
+    def _known(self) -> dict[str, Known]:
+        return {topic: belief.known for topic, belief in self._beliefs.items() if belief.known is not None}
 
     @property
     def _lifted(self) -> bool:
         """Whether the bit hangs above the hole's bottom, as it was told last."""
-        bit, hole = (self._known.get(topic) for topic in (SURFACE_BIT_DEPTH, SURFACE_HOLE_DEPTH))
+        known = self._known
+        bit, hole = known.get(SURFACE_BIT_DEPTH), known.get(SURFACE_HOLE_DEPTH)
         return bit is not None and hole is not None and hole.told.value - bit.told.value > self._clearance
 
     def _counts(self) -> tuple[int, int]:
         """From when to when what is known counts; of both channels, where both have spoken."""
-        first_ns = max(told.time_ns for told, _ in self._known.values()) - round(SILENT_S * NS)
-        return first_ns, min(told.time_ns + lasts_ns for told, lasts_ns in self._known.values())
-
-    def _believes(self, topic: str, told: Told) -> bool:
-        """Whether a depth is known from now on: it follows from the one before, or has been told for long."""
-        before = known.told if (known := self._known.get(topic)) is not None else None
-        if before is not None and abs(told.time_ns - before.time_ns) > SILENT_S * NS:
-            del self._known[topic]
-            before = None
-        if before is not None and told.time_ns < before.time_ns:
-            return False
-        doubt = self._doubted.pop(topic, None)
-        if before is not None and before.leads_to(told):
-            self._drop(doubt)
-        elif doubt is None or not doubt.newest.leads_to(told):
-            self._drop(doubt)
-            self._doubted[topic] = Doubt(told, told.time_ns, 1)
-            return False
-        elif told.time_ns - doubt.since_ns < LASTING_S * NS:
-            self._doubted[topic] = Doubt(told, doubt.since_ns, doubt.samples + 1)
-            return False
-        else:
-            before = doubt.newest
-        period_ns = told.time_ns - before.time_ns
-        lasts_ns = min(max(round(FRESH_S * NS), PERIODS * period_ns), round(SILENT_S * NS))
-        self._known[topic] = Known(told, lasts_ns)
-        return True
-
-    def _drop(self, doubt: Doubt | None) -> None:
-        self.refused += doubt.samples if doubt is not None else 0
+        known = self._known.values()
+        first_ns = max(told.time_ns for told, _ in known) - round(SILENT_S * NS)
+        return first_ns, min(told.time_ns + lasts_ns for told, lasts_ns in known)
 
     def _count_stands(self, bit_depth: float) -> None:
         above = self._length - bit_depth
