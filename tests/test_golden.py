@@ -47,7 +47,13 @@ def test_a_changed_kernel_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
         out[at + 1] = math.sqrt(variance)
 
     monkeypatch.setattr(kernel, "_tell", numba.njit(nudged))
-    for caller in ("_answer", "_answer_top", "advance"):  # compiled anew: in a kernel its callees stand fast
+    for caller in (
+        "_answer_top",
+        "_lay_out",
+        "_take",
+        "_answer",
+        "advance",
+    ):  # compiled anew: in a kernel its callees stand fast
         monkeypatch.setattr(kernel, caller, numba.njit(getattr(kernel, caller).py_func))
     verdict = verify(session, Engine(rig))
     assert not verdict.exact

@@ -31,13 +31,18 @@ def _cache_folder() -> Path:
 numba.config.CACHE_DIR = str(_cache_folder())  # type: ignore[attr-defined]
 
 
+COMPILED = not numba.config.DISABLE_JIT  # type: ignore[attr-defined]
+"""Whether kernels are compiled at all: tests run them as they stand, too."""
+
+
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a kernel at its first call, or load it from the cache.
 
     Fast-math stays off: it lets the compiler assume that there is no NaN, and reorder sums, which
     would end both the checks on input and the exactness of a replay. A kernel that would allocate is
     refused by the compiler: without its run-time for memory no references are counted either, which took
-    half of the observer's time.
+    half of the observer's time. A division by zero gives what IEEE 754 says, and raises nothing: to look
+    for it would keep loops from becoming vectors.
     """
-    kernel: Callable[P, R] = numba.njit(cache=True, _nrt=False)(function)  # type: ignore[call-overload]
+    kernel: Callable[P, R] = numba.njit(cache=True, _nrt=False, error_model="numpy")(function)  # type: ignore[call-overload]
     return kernel

@@ -11,8 +11,9 @@ from vsensor.bench.rounds import alternate
 from vsensor.bench.table import Cell, Table
 from vsensor.bench.well import deep_well
 from vsensor.config import Rig
-from vsensor.estimator import kernel, study
+from vsensor.estimator import study
 from vsensor.estimator.estimator import Estimator
+from vsensor.estimator.inputs import enter, follow_bit, lasting
 from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.observe import note_rest, observe, settle
 from vsensor.estimator.sections import Floats
@@ -113,16 +114,16 @@ class Part:
 def _run(model: Model, state: State, torque: Floats, speed: Floats, part: int, told: Floats) -> None:
     strings = STRINGS if part == TUNED else 1
     for k in range(torque.shape[0]):
-        flags = kernel._enter(model, state, torque[k], speed[k], 0)
-        kernel._follow_bit(model, state, False)
+        flags = enter(model, state, torque[k], speed[k], 0)
+        follow_bit(model, state, False)
         if state.ticks[0] == 0:
             for which in range(strings):
                 settle(model, state, which, state.inputs[0, 0], state.inputs[1, 0])
-        lasting = kernel._lasting(model, state, flags)
+        doubts = lasting(model, state, flags)
         for which in range(strings):
             observe(model, state, which)
         note_rest(model, state)
-        if lasting:
+        if doubts:
             lose_sight(state.learned)
         else:
             study.study_rock(model, state)

@@ -77,13 +77,24 @@ def _go_on(model: Model, state: State, unknown: int, until: int) -> None:
 @compiled
 def stick_ahead(model: Model, state: State) -> float:
     """Time from now until the bit is foretold to stick, s; 0 while it does; NaN where it does not."""
-    step_s = 1.0 / (model.rate * model.steps)
-    lasting = math.ceil(STICK_S / step_s)
+    lasting = stick_steps(model)
     first = state.ticks[0] * model.steps + model.steps
     mask = state.ahead.shape[1] - 1
     rests = 0
     for step in range(max(0, model.now - lasting), model.forecast):
         rests = rests + 1 if state.ahead[0, (first + step) & mask] == 0 else 0
         if rests == lasting:
-            return max(0.0, (step + 1 - rests - (model.now - 1)) * step_s)
+            return time_to(model, step + 1 - rests)
     return math.nan
+
+
+@compiled
+def stick_steps(model: Model) -> int:
+    """For so many steps at rest a bit sticks."""
+    return math.ceil(STICK_S / (1.0 / (model.rate * model.steps)))
+
+
+@compiled
+def time_to(model: Model, step: int) -> float:
+    """Time from now until so many steps of a march were made, s; 0 where that is past."""
+    return max(0.0, (step - (model.now - 1)) * (1.0 / (model.rate * model.steps)))

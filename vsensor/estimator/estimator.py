@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from vsensor.config import Rig
 from vsensor.estimator import kernel
+from vsensor.estimator.abreast import WORTHWHILE, most_abreast, room_for
 from vsensor.estimator.along import SPEED, along, stations
 from vsensor.estimator.carry import carry
 from vsensor.estimator.known import Known
@@ -41,6 +42,22 @@ class Estimates(NamedTuple):
     """How long before each tick confirmed is for, and how long after it the forecast, s, shape (2, n)."""
 
 
+class _Ticks(NamedTuple):
+    """Room for n ticks as the kernels take and fill them: see `kernel.advance`."""
+
+    torque: Floats
+    speed: Floats
+    reasons: NDArray[np.uint32]
+    values: Floats
+    lasting: NDArray[np.uint32]
+
+    def part(self, start: int, end: int) -> "_Ticks":
+        """Those of the ticks from `start` to before `end`."""
+        torque, speed, reasons, values, lasting = self
+        cut = slice(start, end)
+        return _Ticks(torque[cut], speed[cut], reasons[cut], values[cut], lasting[cut])
+
+
 class Estimator(Known):
     """Runs tick by tick at `rig.loop.rate`; knows no clock.
 
@@ -51,18 +68,17 @@ class Estimator(Known):
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
         self._between = round(EVERY_S * rig.loop.rate)
-        self._one = (
-            np.empty((2, 1)),
+        self._one = _Ticks(
+            np.empty(1),
+            np.empty(1),
             np.empty(1, np.uint32),
             np.empty((1, kernel.COLUMNS)),
             np.empty(1, np.uint32),
         )
-        none, flags = np.empty(0), np.empty(0, np.uint32)
-        self._none = none, none, flags, np.empty((0, kernel.COLUMNS)), flags
         self._lay_out()
         self.reset()
         # Compiled, or loaded, here: never at the first tick.
-        self._advance(*self._none)
+        self._advance(self._one.part(0, 0))
         self.profile()
 
     def _lay_out(self) -> None:
@@ -75,6 +91,7 @@ class Estimator(Known):
         """Where along the string `profile` tells of it."""
         self._profile = np.empty((2, len(self.stations.depth)))
         self._configured = model_of(rig, line, self.stations, steps)
+        self._room = room_for(self._configured)
 
     def reset(self) -> None:
         """Forget everything, as at the start."""
@@ -155,10 +172,10 @@ class Estimator(Known):
 
     def step(self, torque: float, speed: float, reasons: int = 0) -> tuple[Floats, int]:
         """Run one tick; returns the answers (17,), valid until the next call, and the flags."""
-        inputs, flags, values, lasting = self._one
-        inputs[0, 0], inputs[1, 0], flags[0] = torque, speed, reasons
-        self._advance(inputs[0], inputs[1], flags, values, lasting)
-        return values[0], int(lasting[0])
+        one = self._one
+        one.torque[0], one.speed[0], one.reasons[0] = torque, speed, reasons
+        self._advance(one)
+        return one.values[0], int(one.lasting[0])
 
     def profile(self) -> Floats:
         """Speed (rad/s) and torque (N·m) at each station at the time of the last confirmed answer.
@@ -202,7 +219,7 @@ class Estimator(Known):
         out = Estimates(np.empty((n, kernel.COLUMNS)), np.empty(n, np.uint32), np.empty((2, n)))
         for start, end in self._between_corrections(n):
             part = slice(start, end)
-            self._advance(torques[part], speeds[part], flags[part], out.values[part], out.reasons[part])
+            self._advance(_Ticks(torques, speeds, flags, out.values, out.reasons).part(start, end))
             out.delays[0, part], out.delays[1, part] = self.confirmed_delay, self.forecast_horizon
         return out
 
@@ -215,18 +232,14 @@ class Estimator(Known):
             yield start, end
             start = end
 
-    def _advance(
-        self,
-        torques: Floats,
-        speeds: Floats,
-        flags: NDArray[np.uint32],
-        values: Floats,
-        lasting: NDArray[np.uint32],
-    ) -> None:
+    def _advance(self, ticks: _Ticks) -> None:
         self._told = self._model
-        kernel.advance(self._model, self._state, torques, speeds, flags, values, lasting)
-        due = len(torques) and self._state.ticks[0] % self._between == 0
-        if due:
+        count = len(ticks.torque)
+        if count > WORTHWHILE and (most := most_abreast(self._model)) > WORTHWHILE:
+            kernel.advance_abreast(self._model, self._state, self._room, most, *ticks.part(0, count - 1))
+            ticks = ticks.part(count - 1, count)
+        kernel.advance(self._model, self._state, *ticks)
+        if count and self._state.ticks[0] % self._between == 0:
             self._correct()
 
     def _correct(self) -> None:

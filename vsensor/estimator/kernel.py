@@ -5,15 +5,17 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from vsensor.estimator.abreast import Room, ask, march_abreast, set_out
 from vsensor.estimator.ahead import predict, stick_ahead
+from vsensor.estimator.inputs import enter, follow_bit, lasting
 from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.observe import note_rest, observe, settle
 from vsensor.estimator.responses import TOLD_BIT_TORQUE, TOLD_TOP_SPEED
+from vsensor.estimator.score import CHANGE, EXPECTED, HORIZONS, VALUE, expect, foretell, score
 from vsensor.estimator.score import FORECAST as LAST
-from vsensor.estimator.score import HORIZONS, VALUE, foretell, score, variance
 from vsensor.estimator.score import NOW as FIRST
 from vsensor.estimator.sections import Floats
-from vsensor.estimator.state import FLAGS, NONE, Model, State
+from vsensor.estimator.state import NONE, Model, State
 from vsensor.estimator.study import confirmed_step, foretold_for, study_rock, study_string, study_wall
 from vsensor.estimator.tune import (
     DELAY,
@@ -46,9 +48,7 @@ LOST = 1e4
 """Innovations a hundred times larger than expected: the model string has nothing to do with the real one."""
 
 _WARMING_UP = int(Reason.WARMING_UP)
-_STALE_TORQUE = int(Reason.STALE_TORQUE)
-_STALE_SPEED = int(Reason.STALE_SPEED)
-_STALE = _STALE_TORQUE | _STALE_SPEED
+_STALE = int(Reason.STALE_TORQUE | Reason.STALE_SPEED)
 _NOT_MEASURED = _WARMING_UP | _STALE
 
 
@@ -67,45 +67,83 @@ def advance(
     `reasons` (n,) holds flags of `quality.Reason`, OFF_BOTTOM and NO_FORECAST. An input that is not finite,
     or beyond belief, counts as missing: the last one is held, and flagged.
     """
+    ring = state.ahead.shape[1]
     for k in range(torque.shape[0]):
-        flags = _enter(model, state, torque[k], speed[k], reasons[k])
-        _follow_bit(model, state, reasons[k] & OFF_BOTTOM != 0)
-        if state.ticks[0] == 0 or state.surprise[0] > LOST:
-            _lay(model, state)
-        out_reasons[k] = _lasting(model, state, flags)
-        for which in range(STRINGS):
-            observe(model, state, which)
-        note_rest(model, state)
-        if not out_reasons[k] & _NOT_MEASURED:
-            _score(model, state)
-        if out_reasons[k]:
-            lose_sight(state.learned)
-        elif state.off_bottom[0] > 0:
-            study_wall(model, state)
-        else:
-            study_rock(model, state)
-        if not out_reasons[k] and (state.ticks[0] > SETTLED_S * model.rate or not model.learns):
-            study_string(model, state)
-        kinds = FIRST + 1 if reasons[k] & NO_FORECAST else HORIZONS
+        out_reasons[k] = _take(model, state, torque[k], speed[k], reasons[k], out[k])
+        kinds, tick = _kinds(reasons[k]), state.ticks[0]
         predict(model, state, model.horizons[kinds - 1])
-        _foretell(model, state, kinds)
-        _answer(model, state, out_reasons[k], kinds, out[k])
-        if not out_reasons[k] & _WARMING_UP:
-            _answer_top(model, state, out[k])
+        _foretell(model, state, tick, kinds, state.ahead, (tick + 1) * model.steps - 1, ring - 1)
+        stick = stick_ahead(model, state) if kinds == HORIZONS else math.nan
+        _answer(state, tick, out_reasons[k], stick, out[k])
         state.ticks[0] += 1
 
 
 @compiled
-def _enter(model: Model, state: State, torque: float, speed: float, reasons: int) -> int:
-    flags = int(reasons) & (OFF_BOTTOM - 1)
-    if not abs(torque) <= model.limits[0]:
-        flags |= _STALE_TORQUE
-    if not abs(speed) <= model.limits[1]:
-        flags |= _STALE_SPEED
-    offset = state.tuning.value[OFFSET] / model.passed
-    _keep(state, 0, torque - offset, flags & _STALE_TORQUE != 0)
-    _keep(state, 1, speed, flags & _STALE_SPEED != 0)
-    return flags
+def advance_abreast(
+    model: Model,
+    state: State,
+    room: Room,
+    most: int,
+    torque: Floats,
+    speed: Floats,
+    reasons: NDArray[np.uint32],
+    out: Floats,
+    out_reasons: NDArray[np.uint32],
+) -> None:
+    """The same to the same bits, `most` ticks marching side by side (abreast.py).
+
+    What `advance` leaves of a march in the state is not there: the last tick before it is saved is to be its.
+    """
+    for begin in range(0, torque.shape[0], most):
+        count = min(most, torque.shape[0] - begin)
+        kinds = FIRST + 1
+        for k in range(begin, begin + count):
+            out_reasons[k] = _take(model, state, torque[k], speed[k], reasons[k], out[k])
+            set_out(model, state, room, k - begin)
+            kinds = max(kinds, _kinds(reasons[k]))
+            state.ticks[0] += 1
+        for kind in range(kinds):
+            ask(room, model.horizons[kind])
+            ask(room, _before(model, kind))
+        march_abreast(model, room, model.horizons[kinds - 1])
+        for k in range(begin, begin + count):
+            kinds, lane = _kinds(reasons[k]), k - begin
+            tick = state.ticks[0] - count + lane
+            _foretell(model, state, tick, kinds, room.told[:, :, lane], -1, -1)
+            stick = room.sticks[lane] if kinds == HORIZONS else math.nan
+            _answer(state, tick, out_reasons[k], stick, out[k])
+
+
+@compiled
+def _kinds(reasons: int) -> int:
+    """How many of the horizons are foretold."""
+    return FIRST + 1 if reasons & NO_FORECAST else HORIZONS
+
+
+@compiled
+def _take(model: Model, state: State, torque: float, speed: float, reasons: int, out: Floats) -> int:
+    """All of a tick but the march: returns the flags of its answers, and lays these out (`_lay_out`)."""
+    flags = enter(model, state, torque, speed, int(reasons) & (OFF_BOTTOM - 1))
+    follow_bit(model, state, reasons & OFF_BOTTOM != 0)
+    if state.ticks[0] == 0 or state.surprise[0] > LOST:
+        _lay(model, state)
+    doubts = lasting(model, state, flags)
+    for which in range(STRINGS):
+        observe(model, state, which)
+    note_rest(model, state)
+    if not doubts & _NOT_MEASURED:
+        _score(model, state)
+    if doubts:
+        lose_sight(state.learned)
+    elif state.off_bottom[0] > 0:
+        study_wall(model, state)
+    else:
+        study_rock(model, state)
+    if not doubts and (state.ticks[0] > SETTLED_S * model.rate or not model.learns):
+        study_string(model, state)
+    _expect(model, state, _kinds(reasons))
+    _lay_out(model, state, doubts, _kinds(reasons), out)
+    return doubts
 
 
 @compiled
@@ -117,44 +155,6 @@ def _lay(model: Model, state: State) -> None:
     state.surprise[:] = 1.0
     state.course[:] = NONE
     state.ticks[1] = state.ticks[0]
-
-
-@compiled
-def _follow_bit(model: Model, state: State, off: bool) -> None:
-    """Count since when the bit has been off bottom; the model's own is a travel time behind."""
-    count = state.off_bottom[0]
-    state.off_bottom[0] = max(count, 0) + 1 if off else min(count, 0) - 1
-    if state.ticks[0] == 0 or abs(state.off_bottom[0]) * model.steps >= model.now:
-        state.learned.idle[0] = 1 if off else 0
-
-
-@compiled
-def _keep(state: State, channel: int, value: float, missing: bool) -> None:
-    """Enter a sample; the last one again where it is missing, the first one as if it had long been so."""
-    width = state.inputs.shape[1]
-    place = state.ticks[0] % width
-    state.missing[channel, place] = 1 if missing else 0
-    if channel == 0:
-        state.motor[:, place] = 0.0
-    if missing:
-        state.inputs[channel, place] = state.inputs[channel, (place - 1) % width]
-    elif state.ticks[0] == 0:
-        state.inputs[channel, :] = value
-    else:
-        state.inputs[channel, place] = value
-
-
-@compiled
-def _lasting(model: Model, state: State, flags: int) -> int:
-    """Flags of the confirmed answer: all that were raised on any input that takes part in it."""
-    tick = state.ticks[0]
-    lasting = _WARMING_UP if tick - state.ticks[1] < model.span else 0
-    for bit in range(FLAGS):
-        if flags >> bit & 1:
-            state.last_seen[bit] = tick
-        if tick - state.last_seen[bit] < model.span:
-            lasting |= 1 << bit
-    return lasting
 
 
 @compiled
@@ -196,44 +196,87 @@ def _score(model: Model, state: State) -> None:
 
 
 @compiled
-def _foretell(model: Model, state: State, kinds: int) -> None:
-    """Note what the march says of the first horizons, and the gains' variance for this rock."""
+def _expect(model: Model, state: State, kinds: int) -> None:
+    """Note the gains' variance, for this rock, of what is about to be foretold."""
     level = state.level[0]
     restless = state.rock_square[0] / model.gains.levels[level] ** 2
-    lasting = max(1, int(CHANGE_S * model.rate * model.steps))
-    tick = state.ticks[0]
-    known = tick * model.steps + model.steps - 1
-    state.scores.foretold[kinds:, :, VALUE, tick % state.scores.foretold.shape[3]] = math.nan
-    for kind in range(kinds):
+    for kind in range(HORIZONS):
         for q in range(2):
             state.unforeseen[q] = restless * model.gains.unforeseen[level, kind, q]
-        steps = model.horizons[kind]
-        foretell(state.scores, kind, tick, state.ahead, known, steps, lasting, state.unforeseen)
+        expect(state.scores, kind, state.ticks[0], state.unforeseen, kind < kinds)
 
 
 @compiled
-def _answer(model: Model, state: State, reasons: int, kinds: int, out: Floats) -> None:
-    """Fill a row with what is known and how well; what has no known deviation is not told."""
+def _foretell(model: Model, state: State, tick: int, kinds: int, told: Floats, known: int, mask: int) -> None:
+    """Note what the march of a tick says of the first horizons: `told` (2, …) of the steps after `known`."""
+    for kind in range(kinds):
+        at, before = model.horizons[kind], _before(model, kind)
+        for q in range(2):
+            value, earlier = told[q, known + at & mask], told[q, known + before & mask]
+            foretell(state.scores, kind, q, tick, value, (value - earlier) / _change_steps(model))
+
+
+@compiled
+def _change_steps(model: Model) -> int:
+    return max(1, int(CHANGE_S * model.rate * model.steps))
+
+
+@compiled
+def _before(model: Model, kind: int) -> int:
+    """The step of a march from which the change to a horizon is taken: that of the first, at the earliest."""
+    return max(int(model.horizons[kind]) - _change_steps(model), 1)
+
+
+@compiled
+def _lay_out(model: Model, state: State, reasons: int, kinds: int, out: Floats) -> None:
+    """Fill a row with what is known of the answers before the march, `_answer` with the rest.
+
+    In place of deviations stand variances. What is to be foretold has in the place of value and deviation
+    what its miss is expected to be (score.py): what the gains tell, and for a change of 1.
+    """
     out[:] = math.nan
     if reasons & _WARMING_UP:
         return
-    if kinds == HORIZONS:
-        out[STICK] = stick_ahead(model, state)
-    by_law = reasons & _STALE != 0
     confirmed = confirmed_step(model, state)
     place = state.ticks[0] % state.scores.foretold.shape[3]
     for q in range(2):
-        doubt = _doubt(model, state, q, confirmed)
-        if by_law:
-            doubt += variance(state.scores, FIRST, q, state.scores.foretold[FIRST, q, :, place])
-        if not by_law or state.scores.scored[FIRST] > 0:
-            _tell(out, CONFIRMED + 2 * q, state.told[0, q, confirmed & (state.told.shape[2] - 1)], doubt)
+        out[CONFIRMED + 2 * q] = state.told[0, q, confirmed & (state.told.shape[2] - 1)]
+        out[CONFIRMED + 2 * q + 1] = _doubt(model, state, q, confirmed)
         for kind, at in ((FIRST, NOW), (LAST, FORECAST)):
             if kind < kinds and state.scores.scored[kind] > 0:
-                foretold = state.scores.foretold[kind, q, :, place]
-                missed = variance(state.scores, kind, q, foretold)
+                law = state.scores.law[kind, q]
+                out[at + 2 * q] = law[0] * state.scores.foretold[kind, q, EXPECTED, place]
+                out[at + 2 * q + 1] = law[1]
+    _answer_top(model, state, out)
+
+
+@compiled
+def _answer(state: State, tick: int, reasons: int, stick: float, out: Floats) -> None:
+    """Make a tick's answers of what was laid out and foretold; what has no known deviation is not told."""
+    if reasons & _WARMING_UP:
+        return
+    out[STICK] = stick
+    place = tick % state.scores.foretold.shape[3]
+    for q in range(2):
+        doubt = out[CONFIRMED + 2 * q + 1]
+        if reasons & _STALE:  # what was not measured the string was told by the law
+            doubt += _missed(state, FIRST, q, place, out[NOW + 2 * q :])
+        if math.isnan(doubt):
+            out[CONFIRMED + 2 * q] = math.nan
+        else:
+            _tell(out, CONFIRMED + 2 * q, out[CONFIRMED + 2 * q], doubt)
+        for kind, at in ((FIRST, NOW), (LAST, FORECAST)):
+            missed = _missed(state, kind, q, place, out[at + 2 * q :])
+            if not math.isnan(missed):
                 # What was foretold was held against a confirmed answer that is not exact itself.
-                _tell(out, at + 2 * q, foretold[VALUE], missed + doubt)
+                _tell(out, at + 2 * q, state.scores.foretold[kind, q, VALUE, place], missed + doubt)
+
+
+@compiled
+def _missed(state: State, kind: int, quantity: int, place: int, expected: Floats) -> float:
+    """Expected square of a miss of what was foretold, by what was laid out of it; see `score.variance`."""
+    change = state.scores.foretold[kind, quantity, CHANGE, place]
+    return float(expected[0] + expected[1] * change * change)
 
 
 @compiled

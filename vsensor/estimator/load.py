@@ -4,11 +4,14 @@ import math
 from typing import NamedTuple
 
 from vsensor.config import Bit
+from vsensor.estimator.exponential import exponential
 from vsensor.estimator.sections import Line
 from vsensor.jit import compiled
 
 CLOSE = 1e-12
-"""The bit's speed is found to so small a share of itself."""
+"""The bit's speed is found to so small a share of itself,"""
+MOST = 50
+"""in no more than so many steps."""
 
 
 class Load(NamedTuple):
@@ -43,7 +46,7 @@ def law(load: Load, speed: float) -> float:
     if speed == 0:
         return 0.0
     x = abs(speed)
-    coulomb = load.kinetic + (load.static - load.kinetic) * math.exp(-x / load.stribeck)
+    coulomb = load.kinetic + (load.static - load.kinetic) * exponential(-x / load.stribeck)
     return load.viscous * speed + math.copysign(coulomb, speed)
 
 
@@ -115,8 +118,8 @@ def _sliding(load: Load, drive: float, resistance: float) -> float:
     if x <= 0 or fall == 0:
         return max(x, 0.0)
     rate = 1.0 / load.stribeck
-    for _ in range(50):
-        gone = fall * math.exp(-x * rate)
+    for _ in range(MOST):
+        gone = fall * exponential(-x * rate)
         slope = gone * rate
         steep = resistance - slope
         if steep <= 0:

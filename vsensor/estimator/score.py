@@ -58,27 +58,21 @@ def fresh_scores(ticks: int, rate: float) -> Scores:
 
 
 @compiled
-def foretell(
-    scores: Scores,
-    kind: int,
-    tick: int,
-    ahead: Floats,
-    known: int,
-    steps: int,
-    lasting: int,
-    unforeseen: Floats,
-) -> None:
-    """Note what a march says so many `steps` after step `known`, and the variance that the gains tell, (2,).
-
-    How fast it changes is taken over `lasting` steps: a bit that stops changes its torque at a stroke.
-    """
-    place, mask = tick % scores.foretold.shape[3], ahead.shape[1] - 1
+def expect(scores: Scores, kind: int, tick: int, unforeseen: Floats, foretold: bool) -> None:
+    """Note the variances (2,) that the gains tell of what a tick is about to foretell, if it does."""
+    place = tick % scores.foretold.shape[3]
     for q in range(2):
-        value = ahead[q, (known + steps) & mask]
-        before = ahead[q, (known + max(steps - lasting, 1)) & mask]
-        scores.foretold[kind, q, VALUE, place] = value
-        scores.foretold[kind, q, CHANGE, place] = (value - before) / lasting
-        scores.foretold[kind, q, EXPECTED, place] = unforeseen[q]
+        scores.foretold[kind, q, VALUE, place] = math.nan
+        if foretold:
+            scores.foretold[kind, q, EXPECTED, place] = unforeseen[q]
+
+
+@compiled
+def foretell(scores: Scores, kind: int, quantity: int, tick: int, value: float, change: float) -> None:
+    """Note what a march says, and how fast it changes in a step."""
+    place = tick % scores.foretold.shape[3]
+    scores.foretold[kind, quantity, VALUE, place] = value
+    scores.foretold[kind, quantity, CHANGE, place] = change
 
 
 @compiled

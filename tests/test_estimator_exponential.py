@@ -1,0 +1,27 @@
+"""e^x against as many digits as one likes."""
+
+import math
+from decimal import Context, Decimal
+
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from vsensor.estimator.exponential import LEAST, exponential
+
+EXACT = Context(prec=40)
+
+
+@given(st.floats(LEAST, 0.0))
+@example(0.0)
+@example(-0.0)
+@example(-5e-324)
+@example(LEAST)
+def test_it_is_rounded_almost_as_well_as_can_be(x: float) -> None:
+    """The best is half a place of the last; what is told of this method is 0.51."""
+    told = exponential(x)
+    assert abs(Decimal(told) - EXACT.exp(Decimal(x))) <= Decimal(0.52 * math.ulp(told))
+
+
+@given(st.floats(max_value=LEAST, exclude_max=True))
+def test_what_is_too_small_is_nothing(x: float) -> None:
+    assert exponential(x) == 0.0

@@ -1,0 +1,272 @@
+"""The marches of many ticks at once, side by side; what a march is stands in ahead.py.
+
+Each step of a march waits for the one before, and the processor with it. But nothing of a march goes back
+into the observer, and what it foretells is not asked for until it can be confirmed. So over a record the
+observer goes on for some ticks, each of which leaves what its march sets out from; then all of them march in
+step, a lane each, and the compiler makes vectors of the lanes. They come to the same bits as one by one.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from vsensor.estimator.ahead import stick_steps, time_to
+from vsensor.estimator.exponential import exponential
+from vsensor.estimator.learn import load_in_force
+from vsensor.estimator.load import CLOSE, MOST, Load, foot, law
+from vsensor.estimator.sections import Floats, Integers, Line
+from vsensor.estimator.state import BIT, Model, State
+from vsensor.jit import COMPILED, compiled
+
+LANES = 64
+"""So many ticks march at once: vectors enough to follow each other without a pause."""
+WORTHWHILE = 16
+"""Fewer are done sooner one by one."""
+
+# Where the bits' numbers begin in one array, a lane each: of its parts the compiler sees that they lie apart.
+SPEED, BALANCE, EXTERNAL, DRIVE, FOUND, UNSETTLED, VISCOUS, KINETIC, STATIC, STRIBECK = range(
+    0, 10 * LANES, LANES
+)
+
+
+class Room(NamedTuple):
+    """Room for LANES marches, nothing of which is needed once they were told of."""
+
+    kept: Floats
+    """The waves f at the sections' tops as of each tick, the last round trip of each, shape (LANES, …);"""
+    waves: Floats
+    """and as the marches go on: of each section a delay line, shape (M, longest, LANES)."""
+    rows: Integers
+    """The row of each section's line that stands at its bottom, and is entered anew, shape (M,)."""
+    speeds: Floats
+    """Of the junctions, shape (M + 1, LANES)."""
+    bits: Floats
+    """Of the bits, what stands above."""
+    told: Floats
+    """Speed of each at each step, and torque where it is asked for, shape (2, steps, LANES)."""
+    asked: Integers
+    """Whether it is, 0 or 1, shape (steps,)."""
+    rests: Integers
+    """For how many steps each bit has been at rest, shape (LANES,)."""
+    sticks: Floats
+    """Time until each is foretold to stick, as `ahead.stick_ahead` has it, s, shape (LANES,)."""
+
+
+def room_for(model: Model) -> Room:
+    """Room for the marches of a model, whatever its delays are corrected to."""
+    sections, longest = len(model.inside), int(model.inside.sum())
+    steps = model.behind * model.steps + longest
+    return Room(
+        kept=np.zeros((LANES, longest)),
+        waves=np.zeros((sections, int(model.inside.max()), LANES)),
+        rows=np.zeros(sections, np.int64),
+        speeds=np.zeros((sections + 1, LANES)),
+        bits=np.zeros(10 * LANES),
+        told=np.zeros((2, steps, LANES)),
+        asked=np.zeros(steps, np.int64),
+        rests=np.zeros(LANES, np.int64),
+        sticks=np.zeros(LANES),
+    )
+
+
+def most_abreast(model: Model) -> int:
+    """So many ticks may wait for their marches: until the first is scored, and the law learned from it.
+
+    One where a march is spread over ticks, or reads on where nothing is known of the top any more.
+    """
+    if not COMPILED or model.shares > 1 or model.forecast > model.line.round_trip.sum():
+        return 1
+    return min(LANES, model.lag + model.now // model.steps)
+
+
+@compiled
+def set_out(model: Model, state: State, room: Room, lane: int) -> None:
+    """Keep what the march of this tick sets out from."""
+    trips, bits = model.line.round_trip, room.bits
+    kept = room.kept[lane]
+    for i in range(trips.shape[0]):
+        ring = state.waves[0, i]
+        first = (state.ticks[0] + 1) * model.steps - trips[i] & ring.shape[0] - 1
+        run = min(trips[i], ring.shape[0] - first)
+        _copy(ring[first : first + run], kept[:run])
+        _copy(ring[: trips[i] - run], kept[run:])
+        kept = kept[trips[i] :]
+    for junction in range(room.speeds.shape[0]):
+        room.speeds[junction, lane] = state.junctions[0, junction]
+    load = load_in_force(state.learned, model.bit_rate)
+    bits[SPEED + lane] = state.junctions[0, -1]
+    bits[BALANCE + lane] = state.balances[0, BIT]
+    bits[EXTERNAL + lane] = state.rock[0] * model.fade
+    bits[VISCOUS + lane], bits[KINETIC + lane] = load.viscous, load.kinetic
+    bits[STATIC + lane], bits[STRIBECK + lane] = load.static, load.stribeck
+
+
+@compiled
+def _copy(source: Floats, to: Floats) -> None:
+    for k in range(source.shape[0]):
+        to[k] = source[k]
+
+
+@compiled
+def ask(room: Room, steps: int) -> None:
+    """Ask for the torques after so many steps: most are never told of, and need not be worked out."""
+    room.asked[steps - 1] = 1
+
+
+@compiled
+def march_abreast(model: Model, room: Room, steps: int) -> None:
+    """March all lanes for so many steps; the torques of those that are `asked` for are told."""
+    line = model.line
+    last = line.round_trip.shape[0] - 1
+    _lay(line, room)
+    for step in range(steps):
+        arriving = room.waves[last, room.rows[last]]
+        _turn_bits(line, model.bit_rate, arriving, room.bits)
+        if room.asked[step]:
+            _tell_torques(arriving, room.bits, room.told[1, step])
+        _move_bits(line, model.bit_rate, model.fade, arriving, room.bits, room.told[0, step])
+        matters = steps - step - line.round_trip[last]
+        for i in range(last - 1, -1, -1):
+            if i < 0 or matters <= 0:
+                break
+            above, below = room.waves[i, room.rows[i]], room.waves[i + 1, room.rows[i + 1]]
+            _pass_junction(line, i, above, below, room.speeds[i + 1])
+            matters -= line.round_trip[i]
+        for i in range(last + 1):
+            row = room.rows[i] + 1
+            room.rows[i] = row if row < line.round_trip[i] else 0
+    room.asked[:] = 0
+    if steps >= model.forecast:
+        _see_sticks(model, room)
+
+
+@compiled
+def _lay(line: Line, room: Room) -> None:
+    """Lay out what was kept by lanes."""
+    before = 0
+    for i in range(line.round_trip.shape[0]):
+        for row in range(line.round_trip[i]):
+            for lane in range(LANES):
+                room.waves[i, row, lane] = room.kept[lane, before + row]
+        before += line.round_trip[i]
+    room.rows[:] = 0
+
+
+@compiled
+def _turn_bits(line: Line, inertia_rate: float, arriving: Floats, bits: Floats) -> None:
+    """Find how fast each bit turns, as `load.turn_bit` does: one step of Newton's for all, mostly enough."""
+    at = foot(line)
+    unsettled = 0
+    for lane in range(LANES):
+        before, kinetic, static = bits[SPEED + lane], bits[KINETIC + lane], bits[STATIC + lane]
+        drive = arriving[lane] - bits[EXTERNAL + lane] + inertia_rate * before + bits[BALANCE + lane]
+        left = abs(drive) - kinetic - at.kinetic
+        resistance = inertia_rate + at.impedance + at.viscous + bits[VISCOUS + lane]
+        x = left / resistance
+        slides = (x > 0) & ((before != 0) | (abs(drive) > static + at.static))
+        falls = slides & (static != kinetic)
+        nearer, settled = _nearer(x, left, resistance, static - kinetic, 1.0 / bits[STRIBECK + lane])
+        bits[DRIVE + lane] = drive
+        bits[FOUND + lane] = (nearer if falls else x) if slides else 0.0
+        bits[UNSETTLED + lane] = 1.0 if falls & (not settled) else 0.0
+        unsettled += 1 if falls & (not settled) else 0
+    for _ in range(MOST - 1):
+        if unsettled == 0:
+            break
+        unsettled = _approach(line, inertia_rate, bits)
+
+
+@compiled
+def _approach(line: Line, inertia_rate: float, bits: Floats) -> int:
+    """One more of Newton's steps for those that need it; returns how many still do."""
+    at = foot(line)
+    unsettled = 0
+    for lane in range(LANES):
+        goes_on = bits[UNSETTLED + lane] != 0
+        kinetic, x = bits[KINETIC + lane], bits[FOUND + lane]
+        left = abs(bits[DRIVE + lane]) - kinetic - at.kinetic
+        resistance = inertia_rate + at.impedance + at.viscous + bits[VISCOUS + lane]
+        fall = bits[STATIC + lane] - kinetic
+        nearer, settled = _nearer(x, left, resistance, fall, 1.0 / bits[STRIBECK + lane])
+        bits[FOUND + lane] = nearer if goes_on else x
+        bits[UNSETTLED + lane] = 1.0 if goes_on & (not settled) else 0.0
+        unsettled += 1 if goes_on & (not settled) else 0
+    return unsettled
+
+
+@compiled
+def _nearer(x: float, drive: float, resistance: float, fall: float, rate: float) -> tuple[float, bool]:
+    """One of Newton's steps as in `load._sliding`, and whether it was the last; 0 where the bit is held."""
+    gone = fall * exponential(-x * rate)
+    slope = gone * rate
+    steep = resistance - slope
+    change = (resistance * x + gone - drive) / steep
+    x -= change
+    held = (steep <= 0) | (x <= 0)
+    near = slope * rate * change * change <= CLOSE * x * steep
+    return 0.0 if held else x, held | near
+
+
+@compiled
+def _tell_torques(arriving: Floats, bits: Floats, told: Floats) -> None:
+    """Tell what the bits are about to meet."""
+    for lane in range(LANES):
+        load = Load(
+            bits[VISCOUS + lane], bits[KINETIC + lane], bits[STATIC + lane], bits[STRIBECK + lane], 0.0
+        )
+        external = bits[EXTERNAL + lane]
+        w = math.copysign(bits[FOUND + lane], bits[DRIVE + lane])
+        told[lane] = external + (law(load, w) if w != 0 else arriving[lane] - external)
+
+
+@compiled
+def _move_bits(
+    line: Line, inertia_rate: float, fade: float, arriving: Floats, bits: Floats, told: Floats
+) -> None:
+    """Let the bits turn as was found, tell of it, and leave g in the place of the waves that arrived."""
+    impedance = line.impedance[-1]
+    for lane in range(LANES):
+        external, found = bits[EXTERNAL + lane], bits[FOUND + lane]
+        w = math.copysign(found, bits[DRIVE + lane]) if found != 0 else 0.0
+        balance = inertia_rate * (w - bits[SPEED + lane]) - bits[BALANCE + lane]
+        bits[BALANCE + lane] = balance if found != 0 else 0.0
+        bits[SPEED + lane] = w
+        bits[EXTERNAL + lane] = external * fade
+        told[lane] = w
+        arriving[lane] = arriving[lane] - external + external - 2 * impedance * w
+
+
+@compiled
+def _pass_junction(line: Line, i: int, above: Floats, below: Floats, speeds: Floats) -> None:
+    """Pass the waves g that wait in `below` through the junction below section i; in `above` f arrives.
+
+    Leaves f in `below`, and g as it goes on in `above`.
+    """
+    z, onward = line.impedance[i], line.impedance[i + 1]
+    resistance = z + onward + line.viscous[i + 1]
+    kinetic, static = line.kinetic[i + 1], line.static[i + 1]
+    for lane in range(LANES):
+        f, g = above[lane], below[lane]
+        # As `load.contact` has it.
+        drive = f - g
+        turns = abs(drive) > (static if speeds[lane] == 0 else kinetic)
+        w = math.copysign(abs(drive) - kinetic, drive) / resistance if turns else 0.0
+        speeds[lane] = w
+        below[lane] = g + 2 * onward * w
+        above[lane] = f - 2 * z * w
+
+
+@compiled
+def _see_sticks(model: Model, room: Room) -> None:
+    """Look when each bit is foretold to stick."""
+    lasting = stick_steps(model)
+    rests, sticks = room.rests, room.sticks
+    rests[:] = 0
+    sticks[:] = math.nan
+    for step in range(max(0, model.now - lasting), model.forecast):
+        speeds, since = room.told[0, step], time_to(model, step + 1 - lasting)
+        for lane in range(LANES):
+            rests[lane] = rests[lane] + 1 if speeds[lane] == 0 else 0
+            begins = (rests[lane] == lasting) & math.isnan(sticks[lane])
+            sticks[lane] = since if begins else sticks[lane]
