@@ -3,11 +3,12 @@
 import errno
 import os
 import resource
+import shutil
 import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TypeVar
 
@@ -16,7 +17,7 @@ import pytest
 from tests.daemons import daemon, post
 from tests.rigs import SHORT
 from vsensor.config import Bus, Loop, Rig
-from vsensor.errors import VsensorError
+from vsensor.errors import ConfigError
 from vsensor.messages import Status
 from vsensor.recording.reader import Session
 from vsensor.service import realtime
@@ -53,11 +54,13 @@ def refuse(*_asked: object) -> None:
 
 
 @pytest.fixture
-def poor(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A machine that grants nothing."""
+def limits(monkeypatch: pytest.MonkeyPatch) -> dict[int, int]:
+    """What a machine that refuses all the same allows by limits, without any capability."""
+    allowed = {resource.RLIMIT_RTPRIO: 0, resource.RLIMIT_MEMLOCK: 8 << 20}
     monkeypatch.setattr(os, "sched_setscheduler", refuse)
-    monkeypatch.setattr(resource, "getrlimit", lambda _which: (8 << 20, 8 << 20))
-    monkeypatch.setattr(realtime, "_may_lock_all", lambda: False)
+    monkeypatch.setattr(resource, "getrlimit", lambda which: (allowed[which], allowed[which]))
+    monkeypatch.setattr(realtime, "_is_capable", lambda _capability: False)
+    return allowed
 
 
 def test_off_asks_for_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -68,7 +71,7 @@ def test_off_asks_for_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     assert set(achieved.processors) == ALL
 
 
-@pytest.mark.usefixtures("poor")
+@pytest.mark.usefixtures("limits")
 def test_what_is_not_granted_is_told_with_what_would_help() -> None:
     achieved = in_a_thread(
         lambda: realtime.achieve(wanting(realtime="prefer", priority=55, processors=[4095]))
@@ -82,10 +85,27 @@ def test_what_is_not_granted_is_told_with_what_would_help() -> None:
     assert "[4095]" in processors
 
 
-@pytest.mark.usefixtures("poor")
-def test_what_is_required_and_not_granted_is_an_error() -> None:
-    with pytest.raises(VsensorError, match=r'"require" is not granted:\n  SCHED_FIFO 40: .*\n  memory lock'):
+@pytest.mark.usefixtures("limits")
+def test_what_is_required_and_not_granted_is_a_configuration_that_cannot_be_used() -> None:
+    """With its exit status a service manager does not try again what no trying mends."""
+    with pytest.raises(ConfigError, match=r'"require" is not granted:\n  SCHED_FIFO 40: .*\n  memory lock'):
         in_a_thread(lambda: realtime.achieve(wanting(realtime="require")))
+
+
+@pytest.mark.parametrize("limit", [40, resource.RLIM_INFINITY])
+def test_a_priority_refused_in_spite_of_the_limit_is_not_put_down_to_the_limit(
+    limits: dict[int, int], limit: int
+) -> None:
+    limits[resource.RLIMIT_RTPRIO] = limit
+    priority = in_a_thread(lambda: realtime.achieve(wanting(realtime="prefer"))).refused[0]
+    assert "LimitRTPRIO" not in priority
+    assert "CONFIG_RT_GROUP_SCHED" in priority
+    assert "RestrictRealtime" in priority
+
+
+def test_processors_of_which_one_is_missing_are_not_all_that_was_required() -> None:
+    with pytest.raises(ConfigError, match=r"processors \[\d+, 4095\]"):
+        in_a_thread(lambda: realtime.achieve(wanting(realtime="require", processors=[LAST, 4095])))
 
 
 def test_processors_are_pinned_for_the_thread_alone() -> None:
@@ -107,6 +127,51 @@ def test_processors_are_pinned_for_the_thread_alone() -> None:
 def test_what_cannot_be_meant_is_refused(asked: dict[str, object], fault: str) -> None:
     with pytest.raises(ValueError, match=fault):
         wanting(**asked)
+
+
+PREFERRING = """
+from vsensor.config import Loop
+from vsensor.service import realtime
+
+print(*realtime.achieve(Loop(rate=50.0, realtime="prefer")).refused, sep="\\n")
+"""
+
+
+def refused_to(*around: str | Path) -> str:
+    """What is told of a refusal by a process that these words start."""
+    done = subprocess.run(
+        [*around, sys.executable, "-c", PREFERRING], capture_output=True, text=True, check=True, timeout=60
+    )
+    return done.stdout
+
+
+def test_capabilities_of_a_user_namespace_are_not_taken_for_leave() -> None:
+    """As in a container without privileges: they are all there, and what counts is the limits."""
+    within = ["unshare", "--user", "--map-root-user", "--"]
+    if shutil.which(within[0]) is None or subprocess.run([*within, "true"], check=False).returncode:
+        pytest.skip("no user namespace may be made here")
+    if resource.getrlimit(resource.RLIMIT_RTPRIO)[0] or resource.getrlimit(resource.RLIMIT_MEMLOCK)[0] < 0:
+        pytest.skip("needs limits that refuse")
+    priority, memory = refused_to(*within).splitlines()
+    assert "LimitRTPRIO" in priority
+    assert "LimitMEMLOCK" in memory
+
+
+@pytest.fixture
+def group() -> Iterator[Path]:
+    """A control group that has no real-time run time yet, as a service manager would make it."""
+    made = Path(f"/sys/fs/cgroup/cpu/vsensor-test-{os.getpid()}")
+    if os.geteuid() != 0 or not (made.parent / "cpu.rt_runtime_us").exists():
+        pytest.skip("needs a kernel that schedules real time by groups, and the right to make one")
+    made.mkdir()
+    yield made
+    made.rmdir()
+
+
+def test_a_group_without_real_time_is_told_as_what_refuses(group: Path) -> None:
+    assert (group / "cpu.rt_runtime_us").read_text(encoding="ascii") == "0\n"
+    enter = 'echo $$ > "$0" && exec "$@"'
+    assert "CONFIG_RT_GROUP_SCHED" in refused_to("sh", "-c", enter, group / "cgroup.procs")
 
 
 WITHOUT_LEAVE = """

@@ -15,14 +15,20 @@ from pathlib import Path
 from typing import NamedTuple
 
 from vsensor.config import Loop
-from vsensor.errors import VsensorError
+from vsensor.errors import ConfigError
 
 SWITCH_INTERVAL_S = 2e-4
 """How soon another thread of Python must yield to the loop: the default 5 ms is half a tick at 100 Hz."""
 
 _PR_SET_TIMERSLACK = 29  # linux/prctl.h
 _LOCK_ALL = 1 | 2 | 4  # MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT, linux/mman.h: what is touched stays in memory
-_CAP_IPC_LOCK = 14  # linux/capability.h
+_CAP_IPC_LOCK, _CAP_SYS_NICE = 14, 23  # linux/capability.h
+_NEEDS_MEMORY = "needs CAP_IPC_LOCK, or no limit (ulimit -l unlimited; systemd: LimitMEMLOCK=infinity)"
+_IN_SPITE = (
+    "and yet it is refused: by its control group, which has no real-time run time (kernels with "
+    "CONFIG_RT_GROUP_SCHED: boot with rt_group_sched=0, or sysctl kernel.sched_rt_runtime_us=-1), "
+    "or by a filter of system calls (systemd: RestrictRealtime=, SystemCallFilter=)"
+)
 
 
 class Achieved(NamedTuple):
@@ -60,8 +66,8 @@ class Achieved(NamedTuple):
 def achieve(loop: Loop, others: Collection[int] = ()) -> Achieved:
     """Ask for what the configuration wants, for the calling thread. Call once all else has been started.
 
-    Asked again, give the `others` of before. Raises VsensorError where `require` is not granted, with what
-    would help.
+    Asked again, give the `others` of before. Raises ConfigError where `require` is not granted, with what
+    would help: no other start with the same configuration and limits will have it.
     """
     if others:
         _step_back(others)
@@ -70,7 +76,7 @@ def achieve(loop: Loop, others: Collection[int] = ()) -> Achieved:
     told = [ask(loop) for ask in asked] if loop.realtime != "off" else []
     refused = tuple(words for words in told if words)
     if refused and loop.realtime == "require":
-        raise VsensorError(
+        raise ConfigError(
             'loop.realtime = "require" is not granted:\n' + "\n".join(f"  {r}" for r in refused)
         )
     locked = loop.realtime != "off" and not told[1]
@@ -104,34 +110,45 @@ def _take_priority(loop: Loop) -> str:
         policy = os.SCHED_FIFO | os.SCHED_RESET_ON_FORK
         os.sched_setscheduler(0, policy, os.sched_param(loop.priority))
     except OSError as error:
-        return (
-            f"SCHED_FIFO {loop.priority}: {error.strerror}: "
-            f"needs CAP_SYS_NICE, or a limit of at least {loop.priority} (ulimit -r; systemd: LimitRTPRIO=)"
-        )
+        return f"SCHED_FIFO {loop.priority}: {error.strerror}: {_why_no_priority(loop.priority)}"
     return ""
+
+
+def _why_no_priority(priority: int) -> str:
+    limit, _ = resource.getrlimit(resource.RLIMIT_RTPRIO)
+    if limit >= priority or limit == resource.RLIM_INFINITY:
+        return f"the limit (ulimit -r) is high enough, {_IN_SPITE}"
+    needed = f"a limit of at least {priority} (ulimit -r; systemd: LimitRTPRIO=)"
+    if _is_capable(_CAP_SYS_NICE):
+        return f"CAP_SYS_NICE is there, {_IN_SPITE}; or it is a user namespace's, which needs {needed}"
+    return f"needs CAP_SYS_NICE, or {needed}"
 
 
 def _lock_memory(_loop: Loop) -> str:
     limit, _ = resource.getrlimit(resource.RLIMIT_MEMLOCK)
-    if limit != resource.RLIM_INFINITY and not _may_lock_all():
+    if limit != resource.RLIM_INFINITY and not _is_capable(_CAP_IPC_LOCK):
         # With a limit the lock would be granted now, and an allocation refused once it is reached.
-        return (
-            f"memory lock: {limit >> 10} KiB are allowed: "
-            "needs CAP_IPC_LOCK, or no limit (ulimit -l unlimited; systemd: LimitMEMLOCK=infinity)"
-        )
+        return f"memory lock: {limit >> 10} KiB are allowed: {_NEEDS_MEMORY}"
     if _libc().mlockall(_LOCK_ALL):
-        return f"memory lock: {os.strerror(ctypes.get_errno())}"
+        # In a user namespace the capability is there, and counts for nothing.
+        return f"memory lock: {os.strerror(ctypes.get_errno())}: {_NEEDS_MEMORY}"
     return ""
 
 
 def _take_processors(loop: Loop) -> str:
     if not loop.processors:
         return ""
+    asked = f"processors {list(loop.processors)}"
+    here = (
+        f"this machine has {os.cpu_count()}, from 0 on; this program may have fewer (systemd: AllowedCPUs=)"
+    )
     try:
         os.sched_setaffinity(0, loop.processors)
     except OSError as error:
-        here = f"this machine has {os.cpu_count()}, from 0 on"
-        return f"processors {list(loop.processors)}: {error.strerror}: {here}"
+        return f"{asked}: {error.strerror}: {here}"
+    # The kernel passes over those that are not there, as long as one is.
+    if (got := os.sched_getaffinity(0)) != set(loop.processors):
+        return f"{asked}: only {sorted(got)}: {here}"
     return ""
 
 
@@ -141,10 +158,10 @@ def _scheduling() -> str:
     return "SCHED_OTHER"
 
 
-def _may_lock_all() -> bool:
+def _is_capable(capability: int) -> bool:
     status = Path("/proc/self/status").read_text(encoding="ascii", errors="replace")
     (effective,) = (line for line in status.splitlines() if line.startswith("CapEff:"))
-    return bool(int(effective.split()[1], 16) >> _CAP_IPC_LOCK & 1)
+    return bool(int(effective.split()[1], 16) >> capability & 1)
 
 
 def _libc() -> ctypes.CDLL:
