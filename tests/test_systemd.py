@@ -13,7 +13,7 @@ import pytest
 from tests.daemons import Daemon, wait_until
 from tests.rigs import SHORT
 from vsensor.cli.run import FINISH_S
-from vsensor.config import Bus
+from vsensor.config import Bus, Loop
 from vsensor.errors import ConfigError
 from vsensor.messages import ChannelStatus, Status
 from vsensor.service.systemd import Supervisor
@@ -122,13 +122,33 @@ def test_systemd_takes_the_unit_as_it_is_and_finds_it_well_shut(unit: Path) -> N
     assert float(level[1]) < 2
 
 
-def test_the_unit_waits_as_long_as_the_daemon_may_take() -> None:
-    """To be ready, between two words to the watchdog, and to complete its session."""
+@pytest.fixture
+def settings() -> dict[str, str]:
+    """What the template says, by the key; the last of a key that is there twice."""
     text = (UNITS / "vsensor@.service").read_text(encoding="utf-8")
-    told = dict(line.split("=", 1) for line in text.splitlines() if re.match(r"[A-Z]\w+=", line))
-    assert told["Type"] == "notify"
-    assert int(told["WatchdogSec"].removesuffix("s")) > 5
-    assert int(told["TimeoutStopSec"].removesuffix("s")) > FINISH_S
+    return dict(line.split("=", 1) for line in text.splitlines() if re.match(r"[A-Z]\w+=", line))
+
+
+def test_the_unit_waits_as_long_as_the_daemon_may_take(settings: dict[str, str]) -> None:
+    """To be ready, between two words to the watchdog, and to complete its session."""
+    assert settings["Type"] == "notify"
+    assert int(settings["WatchdogSec"].removesuffix("s")) > 5
+    assert int(settings["TimeoutStopSec"].removesuffix("s")) > FINISH_S
+
+
+def test_a_recorder_whose_daemon_was_killed_is_left_to_complete_the_session(settings: dict[str, str]) -> None:
+    """It ends by itself; in any other mode systemd kills it at once where the daemon crashed or hung."""
+    assert settings["KillMode"] == "process"
+
+
+def test_the_unit_grants_all_that_real_time_may_ask_for(settings: dict[str, str]) -> None:
+    """By limits, since the process has no capability."""
+    highest = int(settings["LimitRTPRIO"])
+    assert Loop(realtime="prefer", priority=highest).priority == highest
+    with pytest.raises(ValueError, match="priority"):
+        Loop(realtime="prefer", priority=highest + 1)
+    assert settings["LimitMEMLOCK"] == "infinity"
+    assert "RestrictRealtime" not in settings
 
 
 def test_a_configuration_that_is_refused_is_not_tried_again() -> None:
