@@ -79,6 +79,7 @@ def test_what_is_not_granted_is_told_with_what_would_help() -> None:
     assert (achieved.scheduling, achieved.memory_locked) == ("SCHED_OTHER", False)
     priority, memory, processors = achieved.refused
     assert "SCHED_FIFO 55" in priority
+    assert "the limit is 0: " in priority
     assert "LimitRTPRIO" in priority
     assert "8192 KiB" in memory
     assert "LimitMEMLOCK" in memory

@@ -121,7 +121,7 @@ def _why_no_priority(priority: int) -> str:
     needed = f"a limit of at least {priority} (ulimit -r; systemd: LimitRTPRIO=)"
     if _is_capable(_CAP_SYS_NICE):
         return f"CAP_SYS_NICE is there, {_IN_SPITE}; or it is a user namespace's, which needs {needed}"
-    return f"needs CAP_SYS_NICE, or {needed}"
+    return f"the limit is {limit}: needs CAP_SYS_NICE, or {needed}"
 
 
 def _lock_memory(_loop: Loop) -> str:
