@@ -55,6 +55,15 @@ def faults(text: str) -> list[str]:
         ),
         (RIG + PIPE + "density = inf", "string[1].density: inf is not finite"),
         (
+            RIG + PIPE.replace("9 m", "200 km"),
+            "string: a wave takes 62.9 s to reach the bit, and none can be told of one that takes more than 20",
+        ),
+        (
+            RIG + 2 * PIPE + 'shear_modulus = "79.3 Pa"',
+            "string: a wave takes 89.5 s to reach the bit",
+        ),
+        (RIG + PIPE + '[top_drive]\ntorque_lag = "1 h"', "top_drive.torque_lag = '1 h': must be at most 10: write"),
+        (
             RIG + PIPE + "static_friction = 1\ncoulomb_friction = 2",
             "string[1]: static_friction 1 N·m/m must be at",
         ),

@@ -68,7 +68,7 @@ class TopDrive(Table):
     inertia: Inertia = 0.0
     gear_ratio: Ratio = Field(default=1.0, description="motor turns for one turn of the string, such as 8.5")
     efficiency: Ratio = Field(default=1.0, le=1, description="a number up to 1, such as 0.95")
-    torque_lag: Time = 0.0
+    torque_lag: Time = Field(default=0.0, le=10, description='a time up to 10 s, such as "5 ms"')
 
 
 class Bit(Table):

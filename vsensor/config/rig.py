@@ -1,5 +1,6 @@
 """The rig as frozen, validated values in SI, read from a TOML file with units."""
 
+import math
 import tomllib
 from pathlib import Path
 from typing import Annotated, Self
@@ -16,6 +17,9 @@ from vsensor.config.schema import (
 from vsensor.config.service import Bus, KeptState, Loop, Metrics, Recording, View
 from vsensor.config.well import Station, Wellbore, from_surface
 from vsensor.errors import ConfigError
+
+LONGEST_TRAVEL_S = 20.0
+"""Of waves from top to bit: the observer's gains are worked out over two minutes, and the echo must fit in."""
 
 
 class Rig(Table):
@@ -57,6 +61,17 @@ class Rig(Table):
         if self.wellbore:
             for number, part in enumerate(self.string, 1):
                 _hangs_in_mud(f'string[{number}] "{part.name}"', part, self.wellbore.mud_density)
+        return self
+
+    @model_validator(mode="after")
+    def _bit_can_be_heard(self) -> Self:
+        seconds = sum(part.length * math.sqrt(part.density / part.shear_modulus) for part in self.string)
+        if seconds > LONGEST_TRAVEL_S:
+            raise ValueError(
+                f"string: a wave takes {seconds:.3g} s to reach the bit, and none can be told of one that takes "
+                f"more than {LONGEST_TRAVEL_S:g} s, three times the deepest well's: are the units of length, "
+                "shear_modulus and density right?"
+            )
         return self
 
     @property
