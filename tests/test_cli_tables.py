@@ -14,7 +14,7 @@ from tests.rigs import SHORT, samples, simulated
 from vsensor.cli.main import app
 from vsensor.config import effective_toml
 from vsensor.intake import FORECAST_SHED
-from vsensor.messages import SENSOR_EVENT, SURFACE_TORQUE, Event, Sample
+from vsensor.messages import SENSOR_EVENT, SURFACE_SPEED, SURFACE_TORQUE, Event, Sample
 from vsensor.recording.reader import Session
 from vsensor.recording.writer import SessionWriter
 
@@ -89,6 +89,40 @@ def test_the_same_estimates_come_of_every_kind_of_table(tmp_path: Path) -> None:
         assert np.array_equal(told.to_numpy(), speeds, equal_nan=True)
         assert np.isfinite(speeds).any()
     assert all(each == found[0] for each in found)
+
+
+def test_a_hole_in_one_channel_is_a_silence_and_the_table_comes_back_as_it_was(tmp_path: Path) -> None:
+    """Torque is missing for a second, speed in every second row: as a table, as a session, as its export."""
+    readings = simulated(6)
+    rows = [(reading.time_s, reading.motor_torque, reading.motor_speed) for reading in readings]
+    cells = [
+        f"{time},{'' if 4 <= time < 5 else torque},{'' if number % 2 else speed}"
+        for number, (time, torque, speed) in enumerate(rows)
+    ]
+    (tmp_path / "in.csv").write_text("\n".join(["time_s,motor_torque_nm,motor_speed_rad_s", *cells]))
+    (tmp_path / "rig.toml").write_text(effective_toml(SHORT))
+    for step in (
+        ("import", "in.csv", "-o", "in.mcap", "--config", "rig.toml"),
+        ("export", "in.mcap", "--surface", "-o", "again.csv"),
+        *(
+            ("estimate", name, "rig.toml", "-o", f"{name}.parquet")
+            for name in ("in.csv", "in.mcap", "again.csv")
+        ),
+    ):
+        done = vsensor(step[0], *(tmp_path / word if "." in word else word for word in step[1:]))
+        assert done.exit_code == 0, done.output
+    first, *others = (
+        parquet.read_table(tmp_path / f"{name}.parquet") for name in ("in.csv", "in.mcap", "again.csv")
+    )
+    assert all(other.equals(first) for other in others)
+    time, quality = first["time_s"].to_numpy(), np.array(first["quality"].to_pylist())
+    assert set(quality[(time > 3) & (time < 3.9)]) == {"good"}
+    assert set(quality[(time > 4.02) & (time < 4.9)]) == {"uncertain"}
+    counts = Session(tmp_path / "in.mcap").summary().topics
+    assert {topic.topic: topic.messages for topic in counts} == {
+        SURFACE_TORQUE: len(rows) - sum(4 <= time < 5 for time, *_ in rows),
+        SURFACE_SPEED: -(-len(rows) // 2),
+    }
 
 
 def test_without_the_forecast_all_else_stays_the_same(tmp_path: Path) -> None:

@@ -62,7 +62,10 @@ def faults(text: str) -> list[str]:
             RIG + 2 * PIPE + 'shear_modulus = "79.3 Pa"',
             "string: a wave takes 89.5 s to reach the bit",
         ),
-        (RIG + PIPE + '[top_drive]\ntorque_lag = "1 h"', "top_drive.torque_lag = '1 h': must be at most 10: write"),
+        (
+            RIG + PIPE + '[top_drive]\ntorque_lag = "1 h"',
+            "top_drive.torque_lag = '1 h': must be at most 10: write",
+        ),
         (
             RIG + PIPE + "static_friction = 1\ncoulomb_friction = 2",
             "string[1]: static_friction 1 N·m/m must be at",

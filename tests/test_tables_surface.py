@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsensor.errors import ConfigError, InputError
-from vsensor.tables import Layout, SurfaceTable, TimeForm, read_surface, write_surface
+from vsensor.tables import Layout, SurfaceTable, TimeForm, read_surface, surface_pieces, write_surface
 
 HEADER = "time_s,motor_torque_nm,motor_speed_rad_s\n"
 
@@ -59,6 +59,24 @@ def test_parquet_is_read_whatever_its_number_types(tmp_path: Path) -> None:
     assert columns_of(read_surface(path)) == [[1.0, 2.0], [1.5, 2.5], [3.0, 4.25]]
 
 
+@pytest.mark.parametrize("empty", ["", " ", '""', "nan", "NaN"])
+def test_a_cell_without_a_number_is_a_channel_without_a_sample(tmp_path: Path, empty: str) -> None:
+    table = read_surface(csv_file(tmp_path, HEADER + f"0,1,{empty}\n1,{empty},2\n2,{empty},{empty}\n3,4,5\n"))
+    assert table.time_s.tolist() == [0.0, 1.0, 2.0, 3.0]
+    np.testing.assert_array_equal(table.motor_torque_nm, [1, math.nan, math.nan, 4])
+    np.testing.assert_array_equal(table.motor_speed_rad_s, [math.nan, 2, math.nan, 5])
+    with pytest.raises(InputError, match=r"surface\.csv, line 3: motor_torque_nm is (empty|nan)"):
+        list(surface_pieces(tmp_path / "surface.csv", whole=True))
+
+
+@pytest.mark.parametrize("torque", [[None, 2.0], [math.nan, 2.0], [None, "2"]])
+def test_so_it_is_in_a_parquet_table(tmp_path: Path, torque: list[Any]) -> None:
+    path = parquet_file(tmp_path, motor_torque_nm=torque, motor_speed_rad_s=[None, None])
+    table = read_surface(path)
+    np.testing.assert_array_equal(table.motor_torque_nm, [math.nan, 2])
+    np.testing.assert_array_equal(table.motor_speed_rad_s, [math.nan, math.nan])
+
+
 def test_other_names_and_units(tmp_path: Path) -> None:
     path = csv_file(tmp_path, "t,TQ,RPM\n1500,2,60\n1600,4,120\n")
     table = read_surface(
@@ -81,8 +99,8 @@ def test_other_names_and_units(tmp_path: Path) -> None:
         (HEADER + "0,1,2\n\n\n1,1,2,3\n", "line 5: has 4 values, where the header names 3"),
         (HEADER + "0,1,2\n1,high,2\n", "line 3: motor_torque_nm is 'high': a finite number was expected"),
         (HEADER + "0,1,2\n\n1,2,1_0\n", "line 4: motor_speed_rad_s is '1_0'"),
-        (HEADER + "0,1,2\n1,,2\n", "line 3: motor_torque_nm is empty"),
-        (HEADER + "0,1,nan\n", "line 2: motor_speed_rad_s is nan"),
+        (HEADER + "0,1,2\n,1,2\n", "line 3: time_s is empty"),
+        (HEADER + "0,1,2\nnan,1,2\n", "line 3: time_s is nan"),
         (HEADER + "0,-inf,2\n", "line 2: motor_torque_nm is -inf"),
         (HEADER + "0,1e999,2\n", "line 2: motor_torque_nm is inf"),
         (HEADER + "0,1,2\n1,1,2\n1,1,2\n", "line 4: time_s is 1 s after 1 s: time must increase"),
@@ -111,8 +129,8 @@ def test_the_line_is_right_far_down_a_long_table(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("columns", "said"),
     [
-        ({"motor_torque_nm": [1.0, None]}, "row 2: motor_torque_nm is empty"),
-        ({"motor_speed_rad_s": [math.nan, 1.0]}, "row 1: motor_speed_rad_s is nan"),
+        ({"time_s": [1.0, None]}, "row 2: time_s is empty"),
+        ({"time_s": [math.nan, 1.0]}, "row 1: time_s is nan"),
         ({"motor_torque_nm": ["1", "x"]}, "row 2: motor_torque_nm is 'x'"),
         ({"motor_torque_nm": [True, False]}, "row 1: motor_torque_nm is of type bool"),
         ({"time_s": [1.0, 1.0]}, "row 2: time_s is 1 s after 1 s"),

@@ -132,7 +132,10 @@ def _run(rig: Rig, surface: SurfaceTable, stages: Stages) -> tuple[int, int, Col
 def _arrivals(surface: SurfaceTable, start: int) -> Arrivals:
     rows = slice(start, start + CHUNK)
     return Arrivals.in_turn(
-        surface.time_ns[rows], surface.motor_torque_nm[rows], surface.motor_speed_rad_s[rows], start
+        surface.time_ns[rows],
+        surface.motor_torque_nm[rows],
+        surface.motor_speed_rad_s[rows],
+        (start, start),
     )
 
 

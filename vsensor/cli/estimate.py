@@ -81,10 +81,11 @@ def _feed(source: Path, forecast: bool, sensor: "Offline | None" = None) -> "Fee
         obeyed = [name for name in OBEYED if forecast or name != FORECAST_SHED]
         yield from feed(Session(source), obeyed, *settling)
         return
-    rows = 0
+    torque, speed = 0, 0
     for table in surface_pieces(source):
-        yield Arrivals.in_turn(table.time_ns, table.motor_torque_nm, table.motor_speed_rad_s, rows)
-        rows += len(table)
+        first = torque, speed
+        yield Arrivals.in_turn(table.time_ns, table.motor_torque_nm, table.motor_speed_rad_s, first)
+        torque, speed = torque + table.samples[0], speed + table.samples[1]
 
 
 def _samples(source: Path, forecast: bool) -> "Iterator[tuple[str, Sample | Event]]":

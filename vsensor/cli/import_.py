@@ -59,7 +59,7 @@ def import_(
         torque_unit=torque_unit,
         speed_unit=speed_unit,
     )
-    pieces = surface_pieces(source, layout)
+    pieces = surface_pieces(source, layout, whole=bool(resample))
     if resample:
         pieces = resampled(pieces, resample)
     with (
@@ -87,9 +87,10 @@ def import_(
 def _write(writer: "SessionWriter", pieces: "Iterator[SurfaceTable]") -> int:
     from vsensor.tables import surface_samples
 
-    rows = 0
+    rows, torque, speed = 0, 0, 0
     for table in pieces:
-        for topic, sample in surface_samples(table, rows):
+        for topic, sample in surface_samples(table, (torque, speed)):
             writer.write(topic, sample.SerializeToString(), sample.time_ns, sample.time_ns, sample.sequence)
         rows += len(table)
+        torque, speed = torque + table.samples[0], speed + table.samples[1]
     return rows

@@ -34,16 +34,22 @@ class Arrivals(NamedTuple):
         return Arrivals._make(np.empty(0, kind) for kind in kinds)
 
     @staticmethod
-    def in_turn(time_ns: Integers, torque: Floats, speed: Floats, first: int) -> "Arrivals":
-        """n rows of a table as a rig would send them: torque, then speed, numbered from `first`."""
-        count = len(time_ns)
+    def in_turn(time_ns: Integers, torque: Floats, speed: Floats, first: tuple[int, int]) -> "Arrivals":
+        """n rows of a table as a rig would send them: torque, then speed, each numbered from its `first`.
+
+        Where a channel is NaN it has no sample.
+        """
+        value = np.column_stack((torque, speed))
+        known = np.isfinite(value)
+        number = (np.array(first, np.int64) + np.cumsum(known, axis=0) - 1).astype(np.uint64)
+        count = int(known.sum())
         return Arrivals(
-            is_speed=np.resize([False, True], 2 * count),
-            time_ns=np.repeat(time_ns, 2),
-            value=np.column_stack((torque, speed)).ravel(),
-            quality=np.zeros(2 * count, np.int64),
-            sequence=np.repeat(first + np.arange(count, dtype=np.uint64), 2),
-            numbered=np.ones(2 * count, np.bool_),
+            is_speed=np.broadcast_to([False, True], value.shape)[known],
+            time_ns=np.repeat(time_ns, 2).reshape(-1, 2)[known],
+            value=value[known],
+            quality=np.zeros(count, np.int64),
+            sequence=number[known],
+            numbered=np.ones(count, np.bool_),
         )
 
     def part(self, start: int, end: int) -> "Arrivals":

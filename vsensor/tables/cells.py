@@ -18,33 +18,52 @@ class BadCellError(ValueError):
 
 def numbers(values: pa.Array) -> Floats:
     """A column's values as finite numbers. Raises BadCellError for the first that is none."""
-    values = filled(values)
+    found = measured(filled(values))
+    _refuse(np.isnan(found), found)
+    return found
+
+
+def measured(values: pa.Array) -> Floats:
+    """What a channel measured, NaN where its cell is empty or says so. Raises BadCellError for what is no number."""
+    values = _plain(values)
     if pa.types.is_string(values.type):
-        found = as_floats(values)
-        if found is None:
+        told = as_floats(values)
+        if told is None:
             row, text = next((i, v) for i, v in enumerate(values.to_pylist()) if not _is_number(v))
             raise BadCellError(row, f"is {text!r}: a finite number was expected")
-    elif is_number(values.type):
+        found = told
+    elif is_number(values.type) or pa.types.is_null(values.type):
         found = values.cast(pa.float64(), safe=False).to_numpy(zero_copy_only=False)
     else:
         raise BadCellError(0, f"is of type {values.type}: a finite number was expected")
-    if not np.isfinite(found).all():
-        row = int(np.argmin(np.isfinite(found)))
-        raise BadCellError(row, f"is {found[row]}: a finite number was expected")
+    _refuse(np.isinf(found), found)
     return found
 
 
 def filled(values: pa.Array) -> pa.Array:
     """A column, text without the spaces around it. Raises BadCellError for the first cell that is empty."""
+    values = _plain(values)
+    if values.null_count:
+        raise BadCellError(pc.index(values.is_null(), True).as_py(), "is empty")
+    return values
+
+
+def _plain(values: pa.Array) -> pa.Array:
+    """A column without a dictionary, text in one type, without the spaces around it; blank text is nothing."""
     if pa.types.is_dictionary(values.type):
         values = values.dictionary_decode()
     if pa.types.is_large_string(values.type) or pa.types.is_string_view(values.type):
         values = values.cast(pa.string())
     if pa.types.is_string(values.type):
         values = pc.utf8_trim_whitespace(values)
-    if values.null_count:
-        raise BadCellError(pc.index(values.is_null(), True).as_py(), "is empty")
+        values = pc.if_else(pc.equal(values, ""), None, values)
     return values
+
+
+def _refuse(wrong: npt.NDArray[np.bool_], found: Floats) -> None:
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        raise BadCellError(row, f"is {found[row]}: a finite number was expected")
 
 
 def as_floats(text: pa.Array) -> Floats | None:

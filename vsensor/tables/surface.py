@@ -1,7 +1,9 @@
 """What a rig measured, from a table: its columns found, in SI, each time later than the one before."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
+from itertools import count
 from pathlib import Path
 from typing import Self
 
@@ -11,7 +13,7 @@ import pyarrow as pa
 from vsensor.errors import ConfigError, InputError
 from vsensor.grid import NS, seconds
 from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Sample
-from vsensor.tables.cells import BadCellError, Floats, numbers
+from vsensor.tables.cells import BadCellError, Floats, measured, numbers
 from vsensor.tables.sources import Source, source_of
 from vsensor.tables.times import IN_SECONDS, TimeForm, Times
 from vsensor.units import factor
@@ -40,7 +42,7 @@ PLAIN = Layout()
 
 @dataclass(frozen=True, slots=True)
 class SurfaceTable:
-    """What a rig measured, SI; n rows, time strictly increasing, all finite where it comes from a file."""
+    """What a rig measured, SI; n rows, time strictly increasing, NaN where a channel has no sample."""
 
     time_ns: Times
     motor_torque_nm: Floats
@@ -58,6 +60,12 @@ class SurfaceTable:
         """The time in seconds, as the nearest doubles."""
         return seconds(self.time_ns)
 
+    @property
+    def samples(self) -> tuple[int, int]:
+        """How many there are of torque, and of speed."""
+        torque, speed = (int(np.isfinite(v).sum()) for v in (self.motor_torque_nm, self.motor_speed_rad_s))
+        return torque, speed
+
     def __len__(self) -> int:
         return len(self.time_ns)
 
@@ -69,9 +77,10 @@ def read_surface(path: Path, layout: Layout = PLAIN) -> SurfaceTable:
     return SurfaceTable(*map(np.concatenate, columns))
 
 
-def surface_pieces(path: Path, layout: Layout = PLAIN) -> Iterator[SurfaceTable]:
+def surface_pieces(path: Path, layout: Layout = PLAIN, *, whole: bool = False) -> Iterator[SurfaceTable]:
     """Read a surface table from .csv, .parquet, .feather or .arrow, some thousands of rows at a time.
 
+    An empty cell, or NaN, is a channel without a sample at that time; where rows must be `whole`, a fault.
     Raises InputError naming the line (CSV, the header being line 1) or row (others) at fault, ConfigError
     for a unit that does not measure what the column holds, or another kind of file.
     """
@@ -87,21 +96,23 @@ def surface_pieces(path: Path, layout: Layout = PLAIN) -> Iterator[SurfaceTable]
         reader = _Batch(source, row, batch)
         time_ns = reader.times(layout)
         reader.check_times(layout.time, time_ns, last_ns)
-        values = (reader.numbers(name) for name in (layout.torque, layout.speed))
+        values = (reader.values(name, whole) for name in (layout.torque, layout.speed))
         yield SurfaceTable(time_ns, *(value * scale for value, scale in zip(values, scales, strict=True)))
         row, last_ns = row + batch.num_rows, int(time_ns[-1])
     if row == 0:
         raise InputError(f"{path}: has a header but no rows")
 
 
-def surface_samples(table: SurfaceTable, first: int = 0) -> Iterator[tuple[str, Sample]]:
-    """Yield a table's rows as a rig would send them: torque, then speed, numbered from `first`."""
+def surface_samples(table: SurfaceTable, first: tuple[int, int] = (0, 0)) -> Iterator[tuple[str, Sample]]:
+    """Yield a table's rows as a rig would send them: torque, then speed, each numbered from its `first`."""
     rows = zip(
         table.time_ns.tolist(), table.motor_torque_nm.tolist(), table.motor_speed_rad_s.tolist(), strict=True
     )
-    for number, (time_ns, *values) in enumerate(rows, first):
-        for topic, value in zip((SURFACE_TORQUE, SURFACE_SPEED), values, strict=True):
-            yield topic, Sample(time_ns=time_ns, value=value, sequence=number)
+    numbers = tuple(map(count, first))
+    for time_ns, *values in rows:
+        for topic, value, number in zip((SURFACE_TORQUE, SURFACE_SPEED), values, numbers, strict=True):
+            if math.isfinite(value):
+                yield topic, Sample(time_ns=time_ns, value=value, sequence=next(number))
 
 
 @dataclass(frozen=True)
@@ -112,9 +123,9 @@ class _Batch:
     first: int
     rows: pa.RecordBatch
 
-    def numbers(self, name: str) -> Floats:
+    def values(self, name: str, whole: bool) -> Floats:
         try:
-            return numbers(self.rows.column(name))
+            return (numbers if whole else measured)(self.rows.column(name))
         except BadCellError as bad:
             raise self._fault(bad.row, name, str(bad)) from bad
 
