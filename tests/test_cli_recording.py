@@ -112,6 +112,17 @@ def test_info_tells_what_is_in_it(session: Path) -> None:
     assert "surface/torque 200 100 Hz 0.000 s 1.990 s" in said
 
 
+@pytest.mark.parametrize("window", [{}, {"FORCE_COLOR": "1"}], ids=["a pipe", "a terminal"])
+def test_in_a_narrow_window_no_figure_is_cut_short(session: Path, window: dict[str, str]) -> None:
+    narrow = CliRunner(env=window | {"COLUMNS": "40", "NO_COLOR": "1"})
+    said = narrow.invoke(app, ["info", str(session)]).output
+    assert "…" not in said
+    assert "surface/torque" in said
+    told = narrow.invoke(app, ["check", "config/drilling.toml"]).output
+    assert "…" not in told
+    assert "2500.00" in told
+
+
 def test_info_of_a_torn_session_says_so_and_recover_mends_it(session: Path) -> None:
     torn = session.with_name("b.mcap.part")
     torn.write_bytes(session.read_bytes()[:-20])

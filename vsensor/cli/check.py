@@ -12,6 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from vsensor.cli.oddities import oddities, wall_torque
+from vsensor.cli.wide import wide_console
 from vsensor.config import Rig, load
 from vsensor.config.well import Wellbore
 from vsensor.estimator import component
@@ -23,8 +24,6 @@ MODES = 4
 RPM = 30 / math.pi
 DOGLEG = math.degrees(30.0)
 """Degrees in 30 m, the driller's measure of curvature, in one rad/m."""
-PIPE_WIDTH = 120
-"""Columns of text when nobody's window sets them."""
 
 
 def check(
@@ -35,9 +34,7 @@ def check(
     Exit status 0 also where something looks odd, 2 where the configuration cannot be used.
     """
     rig = load(config)
-    console = Console(highlight=False, markup=False)
-    if not console.is_terminal:
-        console.width = PIPE_WIDTH
+    console = wide_console(highlight=False, markup=False)
     console.print(f"{rig.rig.name} ({config}) is valid.", style="bold")
     _print_table(console, "The string, from the top drive down", _components(rig))
     _print_table(console, "Altogether", _totals(rig))

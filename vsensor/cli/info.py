@@ -5,9 +5,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
+
+from vsensor.cli.wide import wide_console
 
 if TYPE_CHECKING:
     from vsensor.recording.summary import Summary
@@ -22,7 +23,7 @@ def info(session: Annotated[Path, typer.Argument(help="A session, whole or torn.
 
     recorded = Session(session)
     summary = recorded.summary()
-    console = Console()
+    console = wide_console()
     table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
     for name, text in _facts(summary, recorded.configuration is not None).items():
         table.add_row(name, Text(text))

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.live import Live
 
 from vsensor.cli.options import connected
+from vsensor.cli.wide import wide_console
 from vsensor.config import load
 
 PERIOD_S = 0.5
@@ -40,7 +40,7 @@ def status(
         if once or not sys.stdout.isatty():
             time.sleep(PERIOD_S)
             panel.hear_all(feed.drain())
-            Console().print(panel.shown())
+            wide_console().print(panel.shown())
             return
         with until_signalled() as stopped, Live(panel.shown(), screen=True, auto_refresh=False) as live:
             while not stopped():

@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.table import Table
 
 from vsensor.cli.overrides import changed, overridden
+from vsensor.cli.wide import wide_console
 from vsensor.config import Rig, load, loads
 from vsensor.errors import ConfigError, InputError
 
@@ -37,7 +38,7 @@ def verify(
         raise ConfigError(f"{picture}: a picture's name must end in .png")
     if picture is not None and not picture.parent.is_dir():
         raise ConfigError(f"{picture}: there is no folder {picture.parent}")
-    console = Console(soft_wrap=True, highlight=False)
+    console = wide_console(soft_wrap=True, highlight=False)
     verdicts = [_verify(console, session, config, settings or [], picture) for session in sessions]
     as_recorded = config is None and not settings
     sound = all(verdict.exact or verdict.idle for verdict in verdicts) and any(v.exact for v in verdicts)
