@@ -19,7 +19,7 @@ from vsensor.config.well import Station, Wellbore, from_surface
 from vsensor.errors import ConfigError
 
 LONGEST_TRAVEL_S = 20.0
-"""Of waves from top to bit: the observer's gains are worked out over two minutes, and the echo must fit in."""
+"""Of waves from top to bit: the observer's gains are worked out over two minutes, the echo must fit in."""
 
 
 class Rig(Table):
@@ -68,7 +68,7 @@ class Rig(Table):
         seconds = sum(part.length * math.sqrt(part.density / part.shear_modulus) for part in self.string)
         if seconds > LONGEST_TRAVEL_S:
             raise ValueError(
-                f"string: a wave takes {seconds:.3g} s to reach the bit, and none can be told of one that takes "
+                f"string: a wave takes {seconds:.3g} s to reach the bit, and none is told of that takes "
                 f"more than {LONGEST_TRAVEL_S:g} s, three times the deepest well's: are the units of length, "
                 "shear_modulus and density right?"
             )

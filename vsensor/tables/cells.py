@@ -24,7 +24,7 @@ def numbers(values: pa.Array) -> Floats:
 
 
 def measured(values: pa.Array) -> Floats:
-    """What a channel measured, NaN where its cell is empty or says so. Raises BadCellError for what is no number."""
+    """What was measured, NaN where a cell is empty or says so. Raises BadCellError for what is no number."""
     values = _plain(values)
     if pa.types.is_string(values.type):
         told = as_floats(values)
@@ -49,7 +49,7 @@ def filled(values: pa.Array) -> pa.Array:
 
 
 def _plain(values: pa.Array) -> pa.Array:
-    """A column without a dictionary, text in one type, without the spaces around it; blank text is nothing."""
+    """A column without a dictionary, text in one type, spaces around it taken off; blank is nothing."""
     if pa.types.is_dictionary(values.type):
         values = values.dictionary_decode()
     if pa.types.is_large_string(values.type) or pa.types.is_string_view(values.type):
