@@ -61,4 +61,6 @@ def test_flags_are_those_of_recorded_sessions() -> None:
         "STALE_SPEED": 8,
         "SOURCE_UNCERTAIN": 16,
         "STRING_CHANGED": 32,
+        "FROZEN_TORQUE": 64,
+        "FROZEN_SPEED": 128,
     }

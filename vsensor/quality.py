@@ -26,6 +26,10 @@ class Reason(IntFlag):
     """The source itself called a sample less than good."""
     STRING_CHANGED = 1 << 5
     """The string was made longer or shorter: waves of before are still in it."""
+    FROZEN_TORQUE = 1 << 6
+    """Torque has repeated one value for seconds, to the last digit, while the speed moved."""
+    FROZEN_SPEED = 1 << 7
+    """Speed has, while the torque moved."""
 
     def words(self) -> str:
         """The flags in plain words, comma separated; empty for none."""

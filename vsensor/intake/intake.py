@@ -17,6 +17,7 @@ from vsensor.depth import Depths
 from vsensor.errors import InputError
 from vsensor.grid import NS, Grid
 from vsensor.intake.channel import Channel
+from vsensor.intake.frozen import Frozen
 from vsensor.messages import DEPTH_TOPICS, SURFACE_SPEED, SURFACE_TORQUE, Event, Sample
 from vsensor.quality import Reason
 
@@ -57,6 +58,7 @@ class Intake:
         self._speed = Channel(SURFACE_SPEED, measured.speed_limit * turns, Reason.STALE_SPEED)
         self.channels = {SURFACE_TORQUE: self._torque, SURFACE_SPEED: self._speed}
         self.depths = Depths(rig)
+        self.frozen = Frozen(rig)
         self.restarts = 0
         self.forecast_shed = False
         """Whether the loop is short of time for a forecast."""
@@ -69,6 +71,7 @@ class Intake:
         self._consumed_ns: int | None = None
         for channel in self.channels.values():
             channel.forget()
+        self.frozen.forget()
 
     def save(self) -> dict[str, Any]:
         """What is remembered between two samples, but for the counts, as plain values."""
@@ -80,10 +83,11 @@ class Intake:
             "forecast_shed": self.forecast_shed,
             "channels": {topic: channel.save() for topic, channel in self.channels.items()},
             "depths": self.depths.save(),
+            "frozen": self.frozen.save(),
         }
 
     def restore(self, saved: Mapping[str, Any]) -> None:
-        """Take up what `save` gave: the same samples then give the same ticks."""
+        """Take up what `save` gave, or an older version: the same samples then give the same ticks."""
         self._anchor_ns = saved["anchor_ns"]
         self._number = saved["number"]
         self._consumed_ns = saved["consumed_ns"]
@@ -92,6 +96,9 @@ class Intake:
         for topic, channel in self.channels.items():
             channel.restore(saved["channels"][topic])
         self.depths.restore(saved["depths"])
+        self.frozen.forget()
+        if "frozen" in saved:
+            self.frozen.restore(saved["frozen"])
 
     def take(self, topic: str, sample: Sample | Event | None) -> list[Input]:
         """Take one sample in the order of arrival, None for one that could not be read.
@@ -220,7 +227,8 @@ class Intake:
             return None
         longer_by = self.depths.longer_by()
         changed = Reason.STRING_CHANGED if longer_by else Reason(0)
-        reasons = torque[1] | speed[1] | changed
+        reasons = torque[1] | speed[1]
+        reasons |= self.frozen.take(torque[0], speed[0], reasons) | changed
         given = Input(
             self._number,
             time_ns,

@@ -145,6 +145,7 @@ class Stretch(NamedTuple):
         )
         if count and (longer_by := intake.depths.longer_by()):
             ticks.longer_by[0], ticks.reasons[0] = longer_by, Reason.STRING_CHANGED
+        ticks.reasons[:] |= intake.frozen.flags(ticks.motor_torque, ticks.motor_speed)
         for track in (self.torque, self.speed):
             track.hand_back(int(time_ns[-1]) if count else int(track.times[0]))
         intake.let_go()

@@ -1,0 +1,108 @@
+"""A reading that has frozen is flagged, a string that stands still is not."""
+
+import json
+import math
+from collections.abc import Iterable
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.rigs import RATE, SHORT, samples, simulated
+from tests.strings import PIPE, rig
+from tests.test_arrivals import at_once, one_by_one
+from tests.test_intake import BEGUN, MS, SMALL, S, T, one, steps, ticks
+from vsensor.intake import Intake, stretch
+from vsensor.intake.frozen import LASTING_S, MOVED
+from vsensor.messages import Sample
+from vsensor.offline import Offline
+from vsensor.quality import Reason
+
+FROZEN_TICKS = round(LASTING_S * 100)
+STALE = Reason.STALE_TORQUE | Reason.STALE_SPEED
+
+
+def feed(values: Iterable[tuple[float, float]]) -> list[tuple[str, Sample]]:
+    """Torque and speed at 100 Hz."""
+    return [
+        (topic, Sample(time_ns=BEGUN + 10 * MS * k, value=value, sequence=k))
+        for k, pair in enumerate(values)
+        for topic, value in zip((T, S), pair, strict=True)
+    ]
+
+
+def reasons(values: Iterable[tuple[float, float]], **measurement: float) -> list[Reason]:
+    configured = rig(PIPE, measurement=measurement) if measurement else SMALL
+    return [tick.reasons for tick in ticks(feed(values), Intake(configured))]
+
+
+@pytest.mark.parametrize(("of", "reason"), [(0, Reason.FROZEN_TORQUE), (1, Reason.FROZEN_SPEED)])
+def test_a_channel_that_repeats_a_value_while_the_other_moves_is_frozen(of: int, reason: Reason) -> None:
+    """From three seconds on, and until it tells another value."""
+    moving = [(5e3 * math.sin(k / 50), 5 * math.sin(k / 50)) for k in range(1000)]
+    torque, speed = moving[200]
+    frozen = [(torque, pair[1]) if of == 0 else (pair[0], speed) for pair in moving[200:700]]
+    told = reasons([*moving[:200], *frozen, *moving[700:]])
+    since = 200 + FROZEN_TICKS
+    assert set(told[:since]) == set(told[700:]) == {Reason(0)}
+    assert set(told[since:700]) == {reason}
+
+
+def test_where_both_stand_still_or_a_channel_is_without_noise_nothing_is_frozen() -> None:
+    assert not any(reasons([(0.0, 0.0)] * 1000))
+    noise = np.random.default_rng(1).normal(size=1000)
+    assert not any(reasons([(0.0, 0.015 * each) for each in noise]))
+    assert not any(reasons([(80 * each, 0.0) for each in noise]))
+    stepped = [(7000.0, k / 100) for k in range(1000)]
+    assert any(reasons(stepped))
+    assert not any(reasons(stepped, torque_noise=0.0))
+
+
+def test_a_silent_channel_is_stale_and_not_frozen() -> None:
+    intake = Intake(SMALL)
+    moving = [(T, Sample(time_ns=BEGUN + 10 * MS * k, value=float(50 * k))) for k in range(2000)]
+    told = ticks([*one(S, steps(0, 1)), *moving], intake)
+    assert {tick.reasons for tick in told[200:]} == {Reason.STALE_SPEED}
+
+
+held = st.lists(
+    st.tuples(st.sampled_from([0.0, 1.0, 5e3]), st.sampled_from([0.0, 0.1, 9.0]), st.integers(1, 30)),
+    max_size=12,
+)
+
+
+@given(held, st.sampled_from([3, 50, 10_000]), st.integers(0, 100))
+def test_by_columns_and_gone_on_with_it_is_the_same(
+    runs: list[tuple[float, float, int]], cut: int, split: int
+) -> None:
+    values = [(torque, speed) for torque, speed, count in runs for _ in range(count)]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(stretch, "FEWEST", 4)
+        patch.setattr("vsensor.intake.frozen.LASTING_S", 0.1)
+        single, columns, first, second = (Intake(SMALL) for _ in range(4))
+        fed = feed(values)
+        expected = one_by_one(single, fed)
+        assert at_once(columns, fed, cut) == expected
+        assert columns.save() == single.save()
+        begun = one_by_one(first, fed[:split])
+        second.restore(json.loads(json.dumps(first.save())))
+        assert begun + at_once(second, fed[split:], cut) == expected
+
+
+def test_what_comes_of_a_frozen_torque_is_not_called_good() -> None:
+    readings = simulated(20)
+    begun, ended, since = (round(seconds * RATE) for seconds in (6, 12, 6 + LASTING_S))
+    held = readings[begun].motor_torque
+    frozen = [reading._replace(motor_torque=held) for reading in readings[begun:ended]]
+    chunks = list(Offline(SHORT).estimates(samples([*readings[:begun], *frozen, *readings[ended:]])))
+    quality = np.concatenate([chunk["quality"] for chunk in chunks])
+    assert quality[begun] == quality[-1] == "good"
+    assert set(quality[since + 1 : ended]) == {"uncertain"}
+
+
+def test_the_other_must_move_by_more_than_its_noise() -> None:
+    noise = SMALL.measurement.speed_noise
+    nearly, beyond = ([(1.0, share * MOVED * noise * k / 999) for k in range(1000)] for share in (0.99, 1.01))
+    assert not any(reasons(nearly))
+    assert any(reasons(beyond))
