@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsensor.messages import Sample, surface
+from vsensor.quality import Quality
 
 ARRIVED = 1_700_000_000_000_000_000
 times = st.integers(-(2**63), 2**63 - 1)
@@ -62,6 +63,21 @@ def test_protobuf_and_json_say_the_same(time_ns: int, value: float, sequence: in
     text = json.dumps({"time_ns": time_ns, "value": _json_number(value), "sequence": sequence})
     assert surface.decode(sample.SerializeToString(), surface.PROTOBUF, lambda: None) == sample
     assert surface.decode(text.encode(), surface.JSON, lambda: None) == sample
+
+
+@pytest.mark.parametrize("quality", ["good", "uncertain", "bad", "GOOD", "Bad"])
+def test_a_quality_in_json_may_be_written_small(quality: str) -> None:
+    text = json.dumps({"time_ns": 1, "value": 2.5, "quality": quality})
+    sample = surface.decode(text.encode(), surface.JSON, lambda: None)
+    assert Quality(int(sample.quality)).name == quality.upper()
+
+
+@pytest.mark.parametrize("text", ["5", "[5]", '"5"', "null"])
+def test_json_that_is_no_object_is_refused_with_what_would_be_right(text: str) -> None:
+    with pytest.raises(
+        ValueError, match=r'is not valid application/json: an object was expected, such as {"time_ns"'
+    ):
+        surface.decode(text.encode(), surface.JSON, lambda: ARRIVED)
 
 
 def _json_number(value: float) -> float | str:

@@ -1,5 +1,6 @@
 """Surface samples as rigs send them: protobuf, JSON or a bare number, by the stated encoding."""
 
+import json
 from collections.abc import Callable
 
 from google.protobuf import json_format
@@ -44,9 +45,19 @@ def _by_encoding(payload: bytes, encoding: str) -> Sample:
             case "application/protobuf":
                 return Sample.FromString(payload)
             case "application/json":
-                return json_format.Parse(payload, Sample())
+                return _by_json(payload)
             case "text/plain":
                 return Sample(value=float(payload))
     except (DecodeError, json_format.ParseError, ValueError, RecursionError) as error:
         raise ValueError(f"is not valid {encoding}: {error}") from error
     raise ValueError(f"encoding {encoding!r} is none of {PROTOBUF}, {JSON}, {TEXT}")
+
+
+def _by_json(payload: bytes) -> Sample:
+    """Protobuf's JSON, in which a quality may also be written small, as it is everywhere else."""
+    told = json.loads(payload)
+    if not isinstance(told, dict):
+        raise ValueError('an object was expected, such as {"time_ns": 1700000000000000000, "value": 12.5}')
+    if isinstance(quality := told.get("quality"), str):
+        told["quality"] = quality.upper()
+    return json_format.ParseDict(told, Sample())
