@@ -125,6 +125,19 @@ def test_a_hole_in_one_channel_is_a_silence_and_the_table_comes_back_as_it_was(t
     }
 
 
+def test_where_the_estimates_cannot_go_is_told_before_the_work(tmp_path: Path) -> None:
+    (tmp_path / "rig.toml").write_text(effective_toml(SHORT))
+    (tmp_path / "folder.csv").mkdir()
+    for output, status, said in (
+        ("missing/x.csv", 1, "missing/x.csv: cannot be written: No such file or directory"),
+        ("folder.csv", 1, "folder.csv: cannot be written: Is a directory"),
+        ("x.txt", 2, "x.txt: estimates go into .csv, .parquet, .npz or .mcap"),
+    ):
+        done = vsensor("estimate", tmp_path / "none.csv", tmp_path / "rig.toml", "-o", tmp_path / output)
+        assert done.exit_code == status
+        assert said in done.output.replace("\n", "")
+
+
 def test_without_the_forecast_all_else_stays_the_same(tmp_path: Path) -> None:
     """From a table and from a session whose sensor had shed its forecast for a while; into either."""
     feed = samples(simulated(6))

@@ -37,7 +37,10 @@ def estimate(
 ) -> None:
     """Estimate the bit from recorded surface samples."""
     from vsensor.tables import check_writable
+    from vsensor.tables.sinks import SINKS
 
+    if output.suffix not in SINKS and output.suffix != ".mcap":
+        raise ConfigError(f"{output}: estimates go into {', '.join(SINKS)} or .mcap: end its name so")
     rig = _rig(source, config)
     write = _to_session if output.suffix == ".mcap" else _to_table
     if write is _to_table:

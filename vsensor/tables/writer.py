@@ -1,6 +1,8 @@
 """Tables written a piece at a time: however long one is, a hundred thousand rows of it are in memory."""
 
 import contextlib
+import errno
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
@@ -43,9 +45,12 @@ Columns = Mapping[str, npt.NDArray[Any]]
 
 
 def check_writable(path: Path) -> None:
-    """Raise ConfigError where a table's name ends in what we do not write."""
+    """Raise ConfigError for a name that ends in what we do not write, InputError where no file can stand."""
     if path.suffix not in SINKS:
         raise ConfigError(f"{path}: a table's name must end in {' or '.join(SINKS)}")
+    if path.is_dir() or not path.parent.is_dir():
+        why = os.strerror(errno.EISDIR if path.is_dir() else errno.ENOENT)
+        raise InputError(f"{path}: cannot be written: {why}")
 
 
 class TableWriter:
