@@ -24,6 +24,12 @@ def read(value: Any, form: TimeForm = TimeForm(), kind: Any = None) -> int:  # n
     return int(time_ns)
 
 
+def test_a_time_of_day_alone_counts_from_midnight() -> None:
+    """Of no year strptime makes 1900, before which a session's clock cannot be."""
+    assert read("00:00:30.25", TimeForm(pattern="%H:%M:%S.%f")) == 30_250_000_000
+    assert read("2 00:00:01", TimeForm(pattern="%d %H:%M:%S")) == 86_401_000_000_000
+
+
 @pytest.mark.parametrize(
     ("told", "form"),
     [

@@ -1,5 +1,6 @@
 """Times as tables have them, in nanoseconds: numbers in any unit, ISO 8601, date and time apart."""
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -25,6 +26,8 @@ _EXACT = {"s": NS, "ms": 1_000_000, "us": 1000, "µs": 1000, "ns": 1}
 _DATE = r"^(\d{4})[-/.]?(\d{2})[-/.]?(\d{2})", r"\1-\2-\3"
 """2026-11-24, 2026/11/24, 2026.11.24 and 20261124 are one date."""
 _STAMP = pa.timestamp("ns")
+_YEAR = re.compile(r"%[YyGcx]")
+"""What a pattern tells a year by: without, strptime takes 1900, and a session's clock begins with 1970."""
 
 
 @dataclass(frozen=True)
@@ -96,6 +99,7 @@ class TimeForm:
 
     def _by_pattern(self, text: pa.Array) -> Times:
         found = np.empty(len(text), np.int64)
+        without_year = not _YEAR.search(self.pattern)
         for row, told in enumerate(text.to_pylist()):
             try:
                 time = datetime.strptime(told, self.pattern)
@@ -103,6 +107,8 @@ class TimeForm:
                 raise BadCellError(
                     row, f"is {told!r}: a time of the form {self.pattern!r} was expected"
                 ) from error
+            if without_year:
+                time = time.replace(year=1970)
             known = time if time.tzinfo else time.replace(tzinfo=self._hangs)
             since = known - datetime(1970, 1, 1, tzinfo=UTC)
             found[row] = (since.days * 86_400 + since.seconds) * NS + since.microseconds * 1000
