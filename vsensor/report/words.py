@@ -75,7 +75,11 @@ def keys(story: Story, summary: Summary, severity: Severity, sticks: Sticking) -
     margin = _least(story.along.margin) if story.along else np.nan
     return [
         Key("top speed", _told(top.mean * RPM, "rpm"), "mean"),
-        Key("bit speed", f"{bit.least * RPM:.0f} … {bit.greatest * RPM:.0f} rpm", "least and greatest"),
+        Key(
+            "bit speed",
+            "–" if np.isnan(bit.least) else f"{bit.least * RPM:.0f} … {bit.greatest * RPM:.0f} rpm",
+            "least and greatest",
+        ),
         Key(
             "severity",
             _told(worst, "", 2),
@@ -89,10 +93,14 @@ def keys(story: Story, summary: Summary, severity: Severity, sticks: Sticking) -
             sticks.share >= _STICKS,
         ),
         Key(
-            "torque, top", _told(torque.mean * KNM, "kN·m", 1), f"mean; greatest {torque.greatest * KNM:.1f}"
+            "torque, top",
+            _told(torque.mean * KNM, "kN·m", 1),
+            f"mean; greatest {_told(torque.greatest * KNM, '', 1)}",
         ),
         Key(
-            "torque, bit", _told(on_bit.mean * KNM, "kN·m", 1), f"mean; greatest {on_bit.greatest * KNM:.1f}"
+            "torque, bit",
+            _told(on_bit.mean * KNM, "kN·m", 1),
+            f"mean; greatest {_told(on_bit.greatest * KNM, '', 1)}",
         ),
         Key(
             "margin",
