@@ -102,6 +102,11 @@ def test_it_says_of_when_it_is() -> None:
 def test_before_anything_is_known_there_is_a_picture_that_claims_nothing() -> None:
     for number in range(5):
         assert share(glance(), number, GREEN) == 0
+    silent = glance()
+    silent.silent(5.0, BEGUN_NS)
+    for number in (BIT, SURFACE, TORQUE):
+        apart = np.abs(tile(glance(), number).astype(int) - tile(silent, number))
+        assert apart.max() <= 64  # the picture's palette moves colours a little, another figure by far more
 
 
 def test_other_units_are_other_figures() -> None:

@@ -120,9 +120,8 @@ class Glance(Part):
         tile.title(f"TORQUE, {units.torque}")
         now = reading(self._estimate, "now", units)
         bit = units.torque_text(now.torque) if self._known and not math.isnan(now.torque) else "?"
-        tile.pair(
-            ("bit", bit, ORANGE), ("surface", "?" if self._silent_s else units.torque_text(surface), WHITE)
-        )
+        known = self._tick.HasField("motor_torque_nm") and not self._silent_s
+        tile.pair(("bit", bit, ORANGE), ("surface", units.torque_text(surface) if known else "?", WHITE))
         if verdict.grade is Grade.UNKNOWN:
             tile.foot("no limit known")
         else:
