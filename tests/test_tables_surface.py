@@ -41,11 +41,17 @@ def columns_of(table: SurfaceTable) -> list[list[float]]:
         "\ufeff" + HEADER.replace("\n", "\r\n") + "0.5,10,-0.15\r\n0.75,11.5,2\r\n",
         '"motor_speed_rad_s","remark","time_s","motor_torque_nm"\n-.15,"a ""b""",0.5,10\n2,,.75,11.5',
         "\n" + HEADER + "\n 0.5 , 10,-0.15\n\n+0.75,11.5,2.0\n\n",
+        HEADER.replace(",", ", ") + "0.5, 10, -0.15\n0.75, 11.5, 2.0\n",
     ],
-    ids=["plain", "windows", "other order and columns", "blank lines and spaces"],
+    ids=["plain", "windows", "other order and columns", "blank lines and spaces", "spaces after commas"],
 )
 def test_csv_is_read_as_rigs_write_it(tmp_path: Path, text: str) -> None:
     assert columns_of(read_surface(csv_file(tmp_path, text))) == [[0.5, 0.75], [10.0, 11.5], [-0.15, 2.0]]
+
+
+def test_the_ending_of_a_name_may_be_written_large(tmp_path: Path) -> None:
+    path = csv_file(tmp_path, HEADER + "0.5,10,-0.15\n").rename(tmp_path / "SURFACE.CSV")
+    assert columns_of(read_surface(path)) == [[0.5], [10.0], [-0.15]]
 
 
 def test_parquet_is_read_whatever_its_number_types(tmp_path: Path) -> None:

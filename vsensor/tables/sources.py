@@ -40,7 +40,9 @@ class Csv:
     def batches(self, names: Sequence[str]) -> Iterator[pa.RecordBatch]:
         """Yield these columns, a batch of rows at a time."""
         delimiter, header = self._header()
-        _check_columns(self.path, names, header)
+        _check_columns(self.path, names, [name.strip() for name in header])
+        written = {name.strip(): name for name in header}
+        columns = [written[name] for name in names]
         ragged: list[Any] = []
 
         def refuse(row: Any) -> str:
@@ -49,18 +51,19 @@ class Csv:
 
         # As text, to be read as numbers here: Arrow's own message would not name the line.
         options = arrow_csv.ConvertOptions(
-            include_columns=names,
-            column_types=dict.fromkeys(names, pa.string()),
+            include_columns=columns,
+            column_types=dict.fromkeys(columns, pa.string()),
             null_values=[""],
             strings_can_be_null=True,
         )
         try:
-            yield from arrow_csv.open_csv(
+            batches = arrow_csv.open_csv(
                 self.path,
                 read_options=arrow_csv.ReadOptions(use_threads=False),  # else rows are not counted
                 parse_options=arrow_csv.ParseOptions(delimiter=delimiter, invalid_row_handler=refuse),
                 convert_options=options,
             )
+            yield from (batch.rename_columns(list(names)) for batch in batches)
         except _DAMAGED as error:
             if not ragged or ragged[-1].number is None:
                 raise InputError(f"{self.path}: is no CSV table: {error}") from error
@@ -132,13 +135,14 @@ SOURCES: dict[str, type[Source]] = {".csv": Csv, ".parquet": Parquet, ".feather"
 
 def source_of(path: Path) -> Source:
     """The source of a table's rows; ConfigError for another kind of file, InputError for none at all."""
-    if path.suffix not in SOURCES:
+    kind = path.suffix.lower()
+    if kind not in SOURCES:
         raise ConfigError(f"{path}: a table's name must end in {' or '.join(SOURCES)}")
     try:
         path.open("rb").close()
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from error
-    return SOURCES[path.suffix](path)
+    return SOURCES[kind](path)
 
 
 def _check_columns(path: Path, names: Sequence[str], present: list[str]) -> None:
