@@ -55,7 +55,7 @@ def twin(case: Case, level: int, forgets: float) -> tuple[Columns, Steady]:
 
 
 def in_state(case: Case, columns: Columns, level: int) -> Floats:
-    """The gains, laid out as the twin's state."""
+    """The gains, laid out as the twin's state, which has the newest first."""
     told, at = case.gains, columns.at
     gain = np.zeros(columns.size)
     top, top_balance, bit, bit_balance, rock = told.state[level]
@@ -63,9 +63,9 @@ def in_state(case: Case, columns: Columns, level: int) -> Floats:
     gain[at["top_balance"]], gain[at["bit_balance"]], gain[at["rock"]] = top_balance, bit_balance, rock
     for i in range(len(case.plant.line.impedance)):
         for name, rows in (("wave", told.waves), ("returned", told.returned)):
-            gain[at[f"{name}{i}"]][: LAG * STEPS] = rows[level, i]
+            gain[at[f"{name}{i}"]][: LAG * STEPS] = rows[level, i, ::-1]
     for name, row in zip(PAST, told.told[level], strict=True):
-        gain[at[name]] = row
+        gain[at[name]] = row[::-1]
     return gain
 
 

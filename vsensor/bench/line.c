@@ -178,10 +178,10 @@ static void correct_waves(const double *gains, const int64_t *inside, int64_t se
     const int64_t mask = size - 1;
     for (int64_t i = 0; i < sections; i++)
         for (int64_t ago = 0; ago < lag && ago < inside[i]; ago++)
-            waves[i * size + ((last - ago) & mask)] += gains[i * lag + ago] * innovation;
+            waves[i * size + ((last - ago) & mask)] += gains[(i + 1) * lag - 1 - ago] * innovation;
 }
 
-/* Corrections by `n` innovations; gains: state (5), waves (sections × lag), told (4 × lag) */
+/* Corrections by `n` innovations; gains: state (5), waves (sections × lag), told (4 × lag), newest last */
 void correct(const double *state, const double *waves, const double *told, const int64_t *inside,
              int64_t sections, int64_t lag, struct string *s, int64_t last, const double *innovation, int64_t n)
 {
@@ -201,11 +201,11 @@ void correct(const double *state, const double *waves, const double *told, const
         for (int64_t ago = 0; ago < lag; ago++) {
             const int64_t at = (last - ago) & mask;
             if (s->told[at] != 0) {
-                s->told[at] += told[ago] * by;
-                s->told[size + at] += told[lag + ago] * by;
+                s->told[at] += told[lag - 1 - ago] * by;
+                s->told[size + at] += told[2 * lag - 1 - ago] * by;
             }
-            s->told[2 * size + at] += told[2 * lag + ago] * by;
-            s->told[3 * size + at] += told[3 * lag + ago] * by;
+            s->told[2 * size + at] += told[3 * lag - 1 - ago] * by;
+            s->told[3 * size + at] += told[4 * lag - 1 - ago] * by;
         }
     }
 }

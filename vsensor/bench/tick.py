@@ -50,7 +50,7 @@ def tables(seconds: float, rates_hz: Sequence[float]) -> Iterator[Table]:
             "medians, on the record of a simulated rig that drills, over ticks run in one call, but for the "
             "last, called from Python for each; up to everything, each column does more than the one before",
             "confirmed alone: the observer with its corrections, of bit and string, and the law learned; "
-            "self-tuning: shadows; everything: march ahead and scores",
+            "self-tuning: shadows; everything: scores, and marches ahead, side by side as over a record",
             "the yardstick is the tick's own time, 1 / rate; the last column is the one before in its share; "
             f"asked for at 100 Hz: confirmed alone {CONFIRMED_LIMIT_US:g} µs, a whole tick "
             f"{WHOLE_LIMIT_US:g} µs at the most",

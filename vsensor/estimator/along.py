@@ -59,7 +59,7 @@ class Heard(NamedTuple):
 
     of_waves: Floats
     """Corrections of f at each section's top by an innovation of 1 rad/s, for each level of the rock, newest
-    first; shape (C, M, L);"""
+    last; shape (C, M, L);"""
     inside: Integers
     """but for so many newest steps, which it corrected at once, shape (M,)."""
     of_returned: Floats
@@ -143,7 +143,7 @@ def late_correction(heard: Heard, of_innovation: Floats, step: int, least: int) 
         # As far as the ring goes without a turn.
         at = tick % size
         until = at + min(end - tick, size - at)
-        gains = of_innovation[:, (tick + 1) * heard.steps - 1 - step :]
+        gains = of_innovation[:, : of_innovation.shape[1] - (tick + 1) * heard.steps + 1 + step]
         total += _weighted(gains, heard.steps, heard.levels[at:until], heard.innovations[at:until])
         tick += until - at
     return total
@@ -151,32 +151,36 @@ def late_correction(heard: Heard, of_innovation: Floats, step: int, least: int) 
 
 @compiled
 def _weighted(gains: Floats, steps: int, levels: Integers, innovations: Floats) -> float:
-    """Innovations (n,), each by the gain of its level and its age; in four sums, which wait less."""
+    """Innovations (n,), each by the gain of its level and its age; in four sums, which wait less.
+
+    The last of the gains are those of the first innovation.
+    """
     a = b = c = d = 0.0
+    last = gains.shape[1] - 1
     fours = innovations.shape[0] // 4
     for four in range(fours):
         k = 4 * four
-        a += gains[levels[k], k * steps] * innovations[k]
-        b += gains[levels[k + 1], (k + 1) * steps] * innovations[k + 1]
-        c += gains[levels[k + 2], (k + 2) * steps] * innovations[k + 2]
-        d += gains[levels[k + 3], (k + 3) * steps] * innovations[k + 3]
+        a += gains[levels[k], last - k * steps] * innovations[k]
+        b += gains[levels[k + 1], last - (k + 1) * steps] * innovations[k + 1]
+        c += gains[levels[k + 2], last - (k + 2) * steps] * innovations[k + 2]
+        d += gains[levels[k + 3], last - (k + 3) * steps] * innovations[k + 3]
     for k in range(4 * fours, innovations.shape[0]):
-        a += gains[levels[k], k * steps] * innovations[k]
+        a += gains[levels[k], last - k * steps] * innovations[k]
     return (a + b) + (c + d)
 
 
 def catch_up(heard: Heard, waves: Floats, returned: Floats) -> None:
     """Correct all waves, (M, size) each, by what was heard of them so far."""
     size, lag = waves.shape[1], heard.of_waves.shape[2]
-    late = np.arange(lag) >= heard.inside[:, None]
+    late = np.arange(lag) < lag - heard.inside[:, None]
     for before in range(min(len(heard.innovations), -(-size // heard.steps))):
         at = (heard.newest - before) % len(heard.innovations)
         last = (heard.newest - before + 1) * heard.steps - 1
         count = min(lag, size - before * heard.steps)
-        places = (last - np.arange(count)) % size
+        places = (last + 1 - count + np.arange(count)) % size
         innovation, level = heard.innovations[at], heard.levels[at]
-        waves[:, places] += (innovation * heard.of_waves[level] * late)[:, :count]
-        returned[:, places] += (innovation * heard.of_returned[level])[:, :count]
+        waves[:, places] += (innovation * heard.of_waves[level] * late)[:, lag - count :]
+        returned[:, places] += (innovation * heard.of_returned[level])[:, lag - count :]
 
 
 @compiled

@@ -87,7 +87,7 @@ def _by_table(x: float) -> float:
 
 
 def _by_library(x: float) -> float:
-    return math.exp(x)
+    return math.exp(x) if x >= LEAST else 0.0
 
 
 def _fuses() -> bool:

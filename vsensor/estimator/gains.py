@@ -53,11 +53,11 @@ class Gains(NamedTuple):
     """Of the torque samples that go on to act: the present tick's, and those that are ahead of it because
     torque is told late; shape (C, ⌈late⌉ + 1)."""
     waves: Floats
-    """Of the wave f at each section's top, newest first, shape (C, M, L)."""
+    """Of the wave f at each section's top, newest last, shape (C, M, L)."""
     returned: Floats
     """Of the wave g there, laid out alike."""
     told: Floats
-    """Of the answers, newest first, shape (C, 4, L)."""
+    """Of the answers, newest last, shape (C, 4, L)."""
     variance: Floats
     """Of the answers' errors once all L corrections are in, (rad/s)² and (N·m)², shape (C, 4)."""
     unforeseen: Floats
@@ -130,7 +130,7 @@ def _at_level(
     waves = np.empty((*of_rock.waves.shape[:-1], ticks))
     for way, section in np.ndindex(*waves.shape[:2]):
         waves[way, section] = respond(of_rock.waves[way, section], of_noise.waves[way, section])
-    down, back = (_newest_first(those, lag) for those in waves)
+    down, back = (_newest_last(those, lag) for those in waves)
     told_along = squares_along(plant, at, np.roll(waves, ticks // 2, axis=-1), ticks // 2 + 1 - lag, ticks)
     along = kick * of_rock.along + noise * of_noise.along - innovation * told_along
     return Gains(
@@ -140,7 +140,7 @@ def _at_level(
         motor=respond(of_rock.motor, of_noise.motor)[: math.ceil(plant.late) + 1],
         waves=down,
         returned=back,
-        told=_newest_first(told, lag),
+        told=_newest_last(told, lag),
         variance=confirmed,
         unforeseen=np.array(unforeseen)[:, :TOLD_TOP_SPEED],
         along=np.maximum(along, 0.0),
@@ -148,8 +148,8 @@ def _at_level(
     )
 
 
-def _newest_first(responses: Floats, lag: int) -> Floats:
-    """Responses (…, steps, ticks) at ticks 0, −1, … −lag + 1, their internal steps in one row (…, L)."""
-    back = responses[..., ::-1, -np.arange(lag)]
+def _newest_last(responses: Floats, lag: int) -> Floats:
+    """Responses (…, steps, ticks) at ticks −lag + 1 … 0, their internal steps in one row (…, L)."""
+    back = responses[..., np.arange(lag) - lag + 1]
     rows = np.moveaxis(back, -2, -1)
     return np.ascontiguousarray(rows.reshape(*rows.shape[:-2], -1))

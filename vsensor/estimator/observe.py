@@ -223,34 +223,52 @@ def correct_ends(gains: Gains, level: int, string: Strand, innovation: float) ->
 
 @compiled
 def correct_told(of_innovation: Floats, told: Floats, last: int, innovation: float) -> None:
-    """Correct the answers (4, size) of the steps up to `last`; a bit that rested then rested."""
-    mask = told.shape[1] - 1
-    for ago in range(of_innovation.shape[1]):
-        at = (last - ago) & mask
-        if told[TOLD_BIT_SPEED, at] != 0:
-            told[TOLD_BIT_SPEED, at] += of_innovation[TOLD_BIT_SPEED, ago] * innovation
-            told[TOLD_BIT_TORQUE, at] += of_innovation[TOLD_BIT_TORQUE, ago] * innovation
-        told[TOLD_TOP_SPEED, at] += of_innovation[TOLD_TOP_SPEED, ago] * innovation
-        told[TOLD_TOP_TORQUE, at] += of_innovation[TOLD_TOP_TORQUE, ago] * innovation
+    """Correct the answers (4, size) of the steps up to `last` by gains (4, L). A bit that rested rested."""
+    lag, size = of_innovation.shape[1], told.shape[1]
+    done = 0
+    while done < lag:
+        at = (last + 1 - lag + done) & (size - 1)
+        until = done + min(lag - done, size - at)
+        end = at + until - done
+        _correct_bit(
+            of_innovation[TOLD_BIT_SPEED, done:until],
+            of_innovation[TOLD_BIT_TORQUE, done:until],
+            told[TOLD_BIT_SPEED, at:end],
+            told[TOLD_BIT_TORQUE, at:end],
+            innovation,
+        )
+        for of_top in (TOLD_TOP_SPEED, TOLD_TOP_TORQUE):
+            _add(of_innovation[of_top, done:until], told[of_top, at:end], innovation)
+        done = until
 
 
 @compiled
 def correct_waves(
     of_innovation: Floats, inside: Integers, waves: Floats, last: int, innovation: float
 ) -> None:
-    """Correct waves (M, size) of the `inside` (M,) steps up to `last` by gains (M, L), newest first."""
+    """Correct waves (M, size) of the `inside` (M,) steps up to `last` by gains (M, L), newest last."""
+    lag, size = of_innovation.shape[1], waves.shape[1]
     for i in range(waves.shape[0]):
-        count = min(inside[i], of_innovation.shape[1])
-        _correct_ring(of_innovation[i], waves[i], last, count, innovation)
+        done = lag - min(inside[i], lag)
+        while done < lag:
+            at = (last + 1 - lag + done) & (size - 1)
+            until = done + min(lag - done, size - at)
+            _add(of_innovation[i, done:until], waves[i, at : at + until - done], innovation)
+            done = until
 
 
 @compiled
-def _correct_ring(of_innovation: Floats, ring: Floats, last: int, count: int, innovation: float) -> None:
-    """In two runs without a turn of the ring, which the compiler makes vectors of."""
-    newest = last & (ring.shape[0] - 1)
-    until = min(count, newest + 1)
-    for ago in range(until):
-        ring[newest - ago] += of_innovation[ago] * innovation
-    newest += ring.shape[0]
-    for ago in range(until, count):
-        ring[newest - ago] += of_innovation[ago] * innovation
+def _correct_bit(
+    of_speed: Floats, of_torque: Floats, speeds: Floats, torques: Floats, innovation: float
+) -> None:
+    for k in range(speeds.shape[0]):
+        turned = speeds[k] != 0
+        torques[k] = torques[k] + of_torque[k] * innovation if turned else torques[k]
+        speeds[k] = speeds[k] + of_speed[k] * innovation if turned else speeds[k]
+
+
+@compiled
+def _add(of_innovation: Floats, run: Floats, innovation: float) -> None:
+    """Correct a run of a ring that has no turn in it: the compiler makes vectors of it."""
+    for k in range(run.shape[0]):
+        run[k] += of_innovation[k] * innovation
