@@ -203,6 +203,7 @@ def test_each_lap_of_a_loop_begins_with_the_string_and_the_bit_as_they_were(rig:
     [
         (("--speed", "0"), "is no speed"),
         (("--speed", "quick"), "is no speed"),
+        (("--speed", "1e308"), "is no speed"),
         (("--topics", "surface/colour"), "is on no bus"),
         (("--topics", "sensor/state"), "is on no bus"),
         (("--topics", "bit/estimate"), "holds none of bit/estimate"),

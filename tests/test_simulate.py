@@ -15,6 +15,7 @@ from tests.strings import BIT, COLLAR, DRIVE, PIPE, rig
 from vsensor.bus import Received, SurfaceInbox, open_session
 from vsensor.cli import main
 from vsensor.config import Bus, effective_toml
+from vsensor.errors import InputError
 from vsensor.estimator.component import delay
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.severity import severity
@@ -198,6 +199,26 @@ def test_the_truth_file_says_what_was_true_at_the_bit_and_when(tmp_path: Path) -
         since_first = reading.bit_time_s - 1 / 50
         assert time_s == pytest.approx(first_ns / NS + since_first, abs=2e-6)
         assert (torque, speed) == pytest.approx((reading.bit_torque, reading.bit_speed), abs=1e-3)
+
+
+def test_a_truth_that_cannot_be_written_is_told_in_a_sentence(tmp_path: Path) -> None:
+    for file, said in ((tmp_path / "no" / "x.csv", "No such file"), (tmp_path, "Is a directory")):
+        with pytest.raises(InputError, match=f"{file}: cannot be written: {said}"):
+            broadcast(
+                SimulatedRig(RIG, PLANS[Scenario.SMOOTH], 1),
+                Air().put,
+                turns(),
+                samples=1,
+                stopped=lambda: False,
+                truth=file,
+            )
+
+
+@pytest.mark.parametrize("option", [("--duration", "inf"), ("--duration", "1e308"), ("--seed", "-1")])
+def test_what_cannot_be_simulated_is_wrong_use(option: tuple[str, str]) -> None:
+    done = CliRunner().invoke(main.app, ["simulate", "config/drilling.toml", *option])
+    assert done.exit_code == 2
+    assert f"Invalid value for '{option[0]}'" in done.output
 
 
 def received(inbox: SurfaceInbox, count: int) -> bool:

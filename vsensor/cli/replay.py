@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from vsensor.recording.reader import Session
 
 FASTEST = "max"
+HIGHEST = 1e6
+"""Faster than any machine publishes."""
 
 
 def _speed(text: str) -> float:
@@ -27,8 +29,10 @@ def _speed(text: str) -> float:
         speed = math.inf if text == FASTEST else float(text)
     except ValueError:
         speed = 0.0
-    if not speed > 0:
-        raise typer.BadParameter(f"{text!r} is no speed: a number such as 0.1 or 20, or {FASTEST}")
+    if not (0 < speed <= HIGHEST or speed == math.inf):
+        raise typer.BadParameter(
+            f"{text!r} is no speed: a number such as 0.1 or 20, up to {HIGHEST:g}, or {FASTEST}"
+        )
     return speed
 
 

@@ -9,14 +9,19 @@ from rich.console import Console
 from vsensor.config import load
 from vsensor.simulate.scenario import PLANS, Scenario
 
+LONGEST_S = 1e9
+"""Thirty years."""
+
 TruthFile = Annotated[Path | None, typer.Option(help="Write what was true at the bit to this CSV file.")]
 
 
 def simulate(
     config: Annotated[Path, typer.Argument(help="The rig: a TOML file.")],
     scenario: Annotated[Scenario, typer.Option(help="What the driller does.")] = Scenario.STICK_SLIP,
-    duration: Annotated[float, typer.Option(help="Seconds; 0 goes on until Ctrl-C.", min=0)] = 0,
-    seed: Annotated[int, typer.Option(help="Of noise and rock: the same seed, the same run.")] = 1,
+    duration: Annotated[
+        float, typer.Option(help="Seconds; 0 goes on until Ctrl-C.", min=0, max=LONGEST_S)
+    ] = 0,
+    seed: Annotated[int, typer.Option(help="Of noise and rock: the same seed, the same run.", min=0)] = 1,
     truth: TruthFile = None,
 ) -> None:
     """Publish surface torque and speed of a simulated rig, as a real one would."""

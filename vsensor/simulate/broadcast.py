@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from vsensor.errors import InputError
 from vsensor.grid import NS
 from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Sample
 from vsensor.simulate.rig import Reading, SimulatedRig
@@ -24,7 +25,8 @@ def broadcast(
 ) -> int:
     """Publish `samples` readings (0: without end), the time stamps from the present on; returns how many.
 
-    `turns` yields, whenever some are due, how many: what a late turn missed is made up for at once.
+    `turns` yields, whenever some are due, how many: what a late turn missed is made up for at once. Raises
+    InputError where the `truth` cannot be written.
     """
     begun_ns = time.time_ns()
     done = 0
@@ -49,7 +51,11 @@ def _truth(path: Path | None) -> Iterator[Callable[[Reading, int], None]]:
     if path is None:
         yield lambda _reading, _begun: None
         return
-    with path.open("w", newline="", encoding="utf-8") as file:
+    try:
+        opened = path.open("w", newline="", encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}") from error
+    with opened as file:
         writer = csv.writer(file)
         writer.writerow(TRUTH_COLUMNS)
 
