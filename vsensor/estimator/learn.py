@@ -185,13 +185,18 @@ def _fit(learned: Learned, c: int, inertia: float) -> None:
     right = learned.right[c]
     pull = (right[0] + stay[0] * p[0], right[1] + stay[1] * p[1], right[2] + stay[2] * p[2])
     for _ in range(SWEEPS):
+        moved = False
         for i in range(3):
             rest = pull[i]
             for j in range(3):
                 if j != i:
                     rest -= a[i, j] * p[j]
             least = p[KINETIC] if i == STATIC else 0.0  # what slides holds at rest
-            p[i] = max(least, rest / (a[i, i] + stay[i]))
+            best = max(least, rest / (a[i, i] + stay[i]))
+            moved |= best != p[i]
+            p[i] = best
+        if not moved:  # nor would any other
+            break
 
 
 @compiled
