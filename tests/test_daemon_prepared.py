@@ -8,7 +8,7 @@ import pytest
 from tests.daemons import free_bus
 from tests.rigs import RATE, SHORT, Surface, samples, simulated
 from vsensor.bus import Received, open_session
-from vsensor.messages import BIT_ESTIMATE, STRING_PROFILE, SURFACE_TORQUE, Message
+from vsensor.messages import BIT_ESTIMATE, SENSOR_TICK, STRING_PROFILE, SURFACE_TORQUE, Message
 from vsensor.service.daemon import Daemon
 from vsensor.service.engine import Engine
 from vsensor.service.pace import Slot
@@ -73,9 +73,38 @@ def test_what_is_told_is_the_same_whether_a_slot_was_prepared_or_not(ahead_s: fl
                 before = len(told[BIT_ESTIMATE])
                 sensor.prepare(time.monotonic_ns() + round(ahead_s * 1e9))
                 assert len(told[BIT_ESTIMATE]) == before
+                sensor._tell_prepared()
             sensor._turn(Slot(number, 0, 0))
             while waiting.samples:  # a turn takes no longer than half a slot
                 sensor._turn(Slot(number, 0, 0))
         sensor._turn(Slot(number + 1, 0, 0))  # profiles are told a turn later
     assert told == expected()
     assert len(told[STRING_PROFILE]) > RATE
+
+
+@pytest.mark.parametrize(("rate", "ahead"), [(100.0, True), (2000.0, False)])
+def test_answers_that_are_ready_go_out_ahead_of_all_else_where_a_slot_has_time(
+    rate: float, ahead: bool
+) -> None:
+    rig = SHORT.model_copy(update={"bus": free_bus(), "loop": SHORT.loop.model_copy(update={"rate": rate})})
+    told: list[str] = []
+
+    def send(topic: str, message: Message) -> bytes:
+        told.append(topic)
+        return message.SerializeToString()
+
+    with open_session(rig.bus, "daemon") as session, pytest.MonkeyPatch.context() as patched:
+        sensor = Daemon(rig, Engine(rig), session, None, achieve(rig.loop))
+        waiting = Waiting()
+        patched.setattr(sensor, "_inbox", waiting)
+        patched.setattr(sensor.voice, "send", send)
+        waiting.samples += FEED[:4]
+        sensor.prepare(time.monotonic_ns() + 10**9)
+        assert told == []
+        stepped_back_ns = sensor._tell_prepared()
+        assert (stepped_back_ns > 0) == ahead
+        answers = list(told)
+        assert set(answers) == ({BIT_ESTIMATE} if ahead else set())
+        sensor._turn(Slot(1, 0, 0))
+    assert told.count(BIT_ESTIMATE) == told.count(SENSOR_TICK) > 0
+    assert told[: len(answers)] == answers

@@ -1,8 +1,9 @@
 """The daemon: drain what has come, step, publish, record, and never wait for anyone."""
 
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import chain, islice
+from typing import NamedTuple
 
 import zenoh
 
@@ -11,9 +12,6 @@ from vsensor.commands import obey
 from vsensor.config import Rig
 from vsensor.errors import VsensorError
 from vsensor.messages import (
-    BIT_ESTIMATE,
-    BIT_SPEED,
-    BIT_TORQUE,
     SENSOR_STATUS,
     SENSOR_TICK,
     STRING_DESCRIPTION,
@@ -21,7 +19,6 @@ from vsensor.messages import (
     SURFACE_TOPICS,
     Estimate,
     Event,
-    Sample,
     Status,
     Tick,
 )
@@ -38,21 +35,34 @@ from vsensor.service.recording import Recorder, Recording
 from vsensor.service.reload import Reload
 from vsensor.service.seat import Seat
 from vsensor.service.shed import NO_FORECAST, NO_PROFILE
-from vsensor.service.voice import Voice
+from vsensor.service.voice import Sent, Voice
 from vsensor.service.watch import Watch
 
 REFUSING_SHARE = 0.5
 """Of a flood, half of what may be accepted in a turn is refused in it: the rest waits, and falls out."""
 OWED_S = 5.0
 """So long after slots were skipped their samples may come: links that have ended are back by then."""
+STEP_BACK_S = 3e-4
+STEP_BACK_SHARE = 0.1
+"""For so long, and no longer a share of a slot, the loop steps back when the answers have gone out: at its
+priority it would keep a processor from those who pass them on."""
+LEAST_STEP_S = 2e-4
+"""Where that is shorter than this, not at all."""
 PARTS_HZ = 100.0
 """Of what is due each second so many parts a second, at the least: it has a dozen."""
 SEAT_PATIENCE_S = 1.5
 """Links to other routers are made by then, and it is known whether another sensor speaks."""
 
 
-Made = tuple[Tick, Estimate]
-"""A tick that was run, and what came of it."""
+class Made(NamedTuple):
+    """A tick that was run, and what came of it."""
+
+    tick: Tick
+    estimate: Estimate
+    told: Sequence[Sent] = ()
+    """What was told of it before its turn."""
+
+
 Ear = Callable[[Status], object]
 """Who is told the status."""
 
@@ -94,6 +104,8 @@ class Daemon:
         self._made: list[Made] = []
         _finish(self.health.take_stock(STARTING, recorder))
         self._per_second = round(rig.loop.rate)
+        step_back_s = min(STEP_BACK_S, STEP_BACK_SHARE / rig.loop.rate)
+        self._step_back_s = step_back_s if step_back_s >= LEAST_STEP_S else 0.0
         self._parts_a_turn = max(1, round(PARTS_HZ / rig.loop.rate))
         self._ration = Ration(rig.loop.rate)
         self.fault = ""
@@ -120,6 +132,7 @@ class Daemon:
             begun = time.monotonic_ns()
             self.health.grid_ns = pace.start_ns
             self.health.begin(slot)
+            begun += self._tell_prepared()
             self._turn(slot)
             if slot.number // self._per_second > second:
                 second = slot.number // self._per_second
@@ -146,6 +159,15 @@ class Daemon:
         self._made.extend(self._run(lambda: time.monotonic_ns() < until_ns))
         self.health.prepared(time.monotonic_ns() - begun)
 
+    def _tell_prepared(self) -> int:
+        """Tell the answers that are ready and step back; for how long, ns."""
+        if not self._made or not self._step_back_s:
+            return 0
+        self._made = [made._replace(told=self.voice.answer(made.estimate)) for made in self._made]
+        begun = time.monotonic_ns()
+        time.sleep(self._step_back_s)
+        return time.monotonic_ns() - begun
+
     def _turn(self, slot: Slot) -> None:
         self._count_owed(slot)
         self._ration.begin()
@@ -158,8 +180,8 @@ class Daemon:
 
     def _take_in(self, slot: Slot, more: Callable[[], bool], *, hold: bool = True) -> None:
         prepared, self._made = self._made, []
-        for tick, estimate in chain(prepared, self._run(more, hold=hold)):
-            self._publish_tick(slot, tick, estimate)
+        for made in chain(prepared, self._run(more, hold=hold)):
+            self._publish_tick(slot, made)
 
     def _run(self, more: Callable[[], bool], *, hold: bool = True) -> Iterator[Made]:
         """Run the ticks of what has come, while there is time for more."""
@@ -173,7 +195,7 @@ class Daemon:
             for tick, estimate in self._engine.take(received.topic, received.sample):
                 if self.health.shedding.level < NO_PROFILE:
                     self._profiler.note(estimate)
-                yield tick, estimate
+                yield Made(tick, estimate)
 
     def _obey(self, words: str) -> str:
         if self._recording is not None and (said := self._recording.obey(words)) is not None:
@@ -190,17 +212,16 @@ class Daemon:
         elif slot.number > self._owed_until:
             self._owed = 0
 
-    def _publish_tick(self, slot: Slot, tick: Tick, estimate: Estimate) -> None:
+    def _publish_tick(self, slot: Slot, made: Made) -> None:
+        tick, estimate = made.tick, made.estimate
         tick.slot, tick.lateness_ns, tick.caught_up = slot.number, slot.lateness_ns, self._owed > 0
         self._owed = max(self._owed - 1, 0)
         self.health.ticks += 1
-        # For the estimate others wait; in a session it stands behind its tick.
-        estimated, ticked = self.voice.send(BIT_ESTIMATE, estimate), self.voice.send(SENSOR_TICK, tick)
-        self.voice.record(SENSOR_TICK, ticked, tick.time_ns)
-        self.voice.record(BIT_ESTIMATE, estimated, tick.time_ns)
-        if estimate.HasField("now_bit_speed_rad_s"):
-            self.voice.publish(BIT_SPEED, _as_sensor(estimate, "now_bit_speed", "rad_s"), tick.time_ns)
-            self.voice.publish(BIT_TORQUE, _as_sensor(estimate, "now_bit_torque", "nm"), tick.time_ns)
+        # For the answers others wait; in a session they stand behind their tick.
+        told = made.told or self.voice.answer(estimate)
+        self.voice.publish(SENSOR_TICK, tick, tick.time_ns)
+        for topic, data in told:
+            self.voice.record(topic, data, tick.time_ns)
         for event in self._watch.tick(tick, estimate):
             self.voice.tell(event)
         self.health.published += 1
@@ -276,15 +297,3 @@ class Daemon:
 def _finish(chores: Iterator[None]) -> None:
     for _ in chores:
         pass
-
-
-def _as_sensor(estimate: Estimate, field: str, unit: str) -> Sample:
-    """A now estimate in the form in which a real sensor would send it."""
-    return Sample(
-        time_ns=estimate.time_ns,
-        value=getattr(estimate, f"{field}_{unit}"),
-        sequence=estimate.number,
-        standard_deviation=getattr(estimate, f"{field}_std_{unit}"),
-        quality=estimate.quality,
-        reasons=estimate.reasons,
-    )

@@ -6,9 +6,21 @@ import zenoh
 
 from vsensor.bus import Outbox, Received
 from vsensor.config import Rig
-from vsensor.messages import SENSOR_EVENT, Event, Message
+from vsensor.messages import (
+    BIT_ESTIMATE,
+    BIT_SPEED,
+    BIT_TORQUE,
+    SENSOR_EVENT,
+    Estimate,
+    Event,
+    Message,
+    Sample,
+)
 from vsensor.service.health import Health
 from vsensor.service.recording import Recorder
+
+Sent = tuple[str, bytes]
+"""A topic, and the bytes of a message that was sent."""
 
 
 class Voice:
@@ -35,6 +47,14 @@ class Voice:
         self._health.publishes(time.monotonic_ns() - begun)
         return data
 
+    def answer(self, estimate: Estimate) -> list[Sent]:
+        """Send what is known of the bit: the estimate and, where there is a now, that of two sensors."""
+        told = [(BIT_ESTIMATE, self.send(BIT_ESTIMATE, estimate))]
+        if estimate.HasField("now_bit_speed_rad_s"):
+            for topic, now in ((BIT_SPEED, "now_bit_speed{}_rad_s"), (BIT_TORQUE, "now_bit_torque{}_nm")):
+                told.append((topic, self.send(topic, _as_sensor(estimate, now))))
+        return told
+
     def record(self, topic: str, data: bytes, publish_time_ns: int) -> None:
         """Record what was sent."""
         if self._recorder is not None:
@@ -60,3 +80,15 @@ class Voice:
         """The events since the last call."""
         news, self._news = self._news, []
         return news
+
+
+def _as_sensor(estimate: Estimate, now: str) -> Sample:
+    """A now estimate in the form in which a real sensor would send it."""
+    return Sample(
+        time_ns=estimate.time_ns,
+        value=getattr(estimate, now.format("")),
+        sequence=estimate.number,
+        standard_deviation=getattr(estimate, now.format("_std")),
+        quality=estimate.quality,
+        reasons=estimate.reasons,
+    )
