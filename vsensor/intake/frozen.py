@@ -36,6 +36,7 @@ class Run(NamedTuple):
         return Run(value, self.ticks + 1, min(self.low, other), max(self.high, other))
 
 
+FINE = Reason(0)
 NO_RUN = Run(math.nan, 0, math.inf, -math.inf)
 
 
@@ -50,12 +51,12 @@ class _Reading:
         self.run = NO_RUN
 
     def take(self, value: float, other: float, reasons: Reason) -> Reason:
-        if reasons & self._silent:  # what stands there is no reading, but the last one held
+        if reasons and reasons & self._silent:  # what stands there is no reading, but the last one held
             self.run = NO_RUN
-            return Reason(0)
+            return FINE
         self.run = run = self.run.on(value, other)
         frozen = run.ticks > self._least and run.high - run.low > self._moved
-        return self._reason if frozen else Reason(0)
+        return self._reason if frozen else FINE
 
     def flags(self, values: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.uint32]:
         flags = np.zeros(len(values), np.uint32)
@@ -99,7 +100,9 @@ class Frozen:
 
     def take(self, torque: float, speed: float, reasons: Reason) -> Reason:
         """The next tick's values, and what is wrong with them; returns what is wrong besides."""
-        return self._torque.take(torque, speed, reasons) | self._speed.take(speed, torque, reasons)
+        torque_frozen = self._torque.take(torque, speed, reasons)
+        speed_frozen = self._speed.take(speed, torque, reasons)
+        return torque_frozen | speed_frozen if torque_frozen or speed_frozen else FINE
 
     def flags(self, torque: NDArray[np.float64], speed: NDArray[np.float64]) -> NDArray[np.uint32]:
         """The same of n ticks with which nothing is wrong, shape (n,)."""

@@ -225,10 +225,11 @@ class Intake:
         speed = self._value(self._speed, self._torque, time_ns)
         if torque is None or speed is None:
             return None
-        longer_by = self.depths.longer_by()
-        changed = Reason.STRING_CHANGED if longer_by else Reason(0)
         reasons = torque[1] | speed[1]
-        reasons |= self.frozen.take(torque[0], speed[0], reasons) | changed
+        if frozen := self.frozen.take(torque[0], speed[0], reasons):
+            reasons |= frozen
+        if longer_by := self.depths.longer_by():
+            reasons |= Reason.STRING_CHANGED
         given = Input(
             self._number,
             time_ns,
