@@ -106,3 +106,11 @@ def test_the_other_must_move_by_more_than_its_noise() -> None:
     nearly, beyond = ([(1.0, share * MOVED * noise * k / 999) for k in range(1000)] for share in (0.99, 1.01))
     assert not any(reasons(nearly))
     assert any(reasons(beyond))
+
+
+@pytest.mark.parametrize("count", [math.inf, 1e308, -1.0])
+def test_a_damaged_count_of_ticks_is_refused(count: float) -> None:
+    saved = Intake(SMALL).save()
+    saved["frozen"][0] = [5.0, count, 0.0, 1.0]
+    with pytest.raises(ValueError, match="stands at one value"):
+        Intake(SMALL).restore(json.loads(json.dumps(saved)))

@@ -67,11 +67,11 @@ def run(
             supervisor.ready()
             say.info("READY")
 
-            def say_it(status: "Status") -> None:
+            def tell_log(status: "Status") -> None:
                 teller.tell(status, daemon.fault, daemon.voice.news())
 
             pace = Pace(rig.loop.rate, MonotonicClock(), daemon.prepare)
-            ears = (supervisor.each_second, say_it, *((exporter.tell,) if exporter is not None else ()))
+            ears = (supervisor.each_second, tell_log, *((exporter.tell,) if exporter is not None else ()))
             daemon.run(pace, ears, stopped)
             supervisor.stopping()
         _account(say, daemon.health.status)

@@ -19,6 +19,8 @@ LASTING_S = 3.0
 """A stiff drive's speed, read in coarse steps, may well repeat for a second."""
 MOVED = 20.0
 """Standard deviations of its noise that the other must have moved by meanwhile: noise alone never does."""
+MOST_TICKS = 1 << 53
+"""A recorded state that tells of more was damaged: numbers beyond are not whole ones any more."""
 
 
 class Run(NamedTuple):
@@ -118,10 +120,12 @@ class Frozen:
         ]
 
     def restore(self, saved: Sequence[Sequence[float | None]]) -> None:
-        """Take up what `save` gave."""
+        """Take up what `save` gave. Raises ValueError for what it cannot have given."""
         for reading, numbers in zip((self._torque, self._speed), saved, strict=True):
             value, ticks, low, high = (
                 default if number is None else float(number)
                 for number, default in zip(numbers, NO_RUN, strict=True)
             )
+            if not 0 <= ticks <= MOST_TICKS:
+                raise ValueError(f"a reading stands at one value for {ticks:g} ticks")
             reading.run = Run(value, int(ticks), low, high)
