@@ -118,7 +118,9 @@ def test_a_state_that_cannot_be_read_is_refused_with_a_reason(field: str, value:
 def test_the_length_of_a_string_that_grew_is_taken_up_exactly() -> None:
     engine, other = Engine(SHORT), Engine(SHORT)
     for metres in (0.1, 28.5):
-        engine.step(Tick(number=1, motor_torque_nm=1e3, motor_speed_rad_s=9.0, longer_by_m=metres))
+        engine.intake.depths.lengthen(metres)
+        longer_by = engine.intake.depths.longer_by()
+        engine.step(Tick(number=1, motor_torque_nm=1e3, motor_speed_rad_s=9.0, longer_by_m=longer_by))
     other.take_up(saved(engine))
     assert [part.length for part in other.estimator.string] == [p.length for p in engine.estimator.string]
     assert engine.estimator.string[0].length > SHORT.string[0].length + 28

@@ -112,5 +112,5 @@ def test_the_other_must_move_by_more_than_its_noise() -> None:
 def test_a_damaged_count_of_ticks_is_refused(count: float) -> None:
     saved = Intake(SMALL).save()
     saved["frozen"][0] = [5.0, count, 0.0, 1.0]
-    with pytest.raises(ValueError, match="stands at one value"):
+    with pytest.raises(ValueError, match=r"frozen\[0\]\[1\] holds .* where a whole number from 0"):
         Intake(SMALL).restore(json.loads(json.dumps(saved)))

@@ -17,6 +17,7 @@ from vsensor.messages import Estimate, Tick
 from vsensor.recording import compare
 from vsensor.recording.compare import Change, Comparison
 from vsensor.recording.reader import Session
+from vsensor.service.engine import Engine
 from vsensor.service.otherwise import Otherwise
 
 GOLDEN = Path(__file__).parent.parent / "recordings" / "stick_slip.mcap"
@@ -165,10 +166,17 @@ def run(*words: str) -> tuple[int, str]:
     return done.exit_code, done.output
 
 
+def lengthen(sensor: Engine, metres: float) -> None:
+    """Add pipe, which the next tick takes up."""
+    sensor.intake.depths.lengthen(metres)
+    longer_by = sensor.intake.depths.longer_by()
+    sensor.step(Tick(number=1, motor_torque_nm=1e3, motor_speed_rad_s=9.0, longer_by_m=longer_by))
+
+
 def test_of_another_strings_state_only_what_was_added_is_taken_up() -> None:
     """A later part of a recording, run under a string of another length."""
     recording, unchanged = Otherwise(SHORT, SHORT), Otherwise(SHORT, SHORT)
-    recording.step(Tick(number=1, motor_torque_nm=1e3, motor_speed_rad_s=9.0, longer_by_m=28.5))
+    lengthen(recording, 28.5)
     state = whole(*remembered(recording.intake, recording.estimator))
     unchanged.take_up(state)
     assert unchanged.estimator.string[0].length == 1228.5
@@ -178,7 +186,7 @@ def test_of_another_strings_state_only_what_was_added_is_taken_up() -> None:
         other.take_up(state)
     assert other.estimator.string[0].length == 1328.5
 
-    recording.step(Tick(number=2, motor_torque_nm=1e3, motor_speed_rad_s=9.0, longer_by_m=28.5))
+    lengthen(recording, 28.5)
     for later in (state, whole(*remembered(recording.intake, recording.estimator)), state):
         longer = length_of(later) - 1200.0
         with pytest.raises(ValueError, match="it is of the recorded string"):

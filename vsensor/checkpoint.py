@@ -13,6 +13,9 @@ from vsensor.intake import Intake
 from vsensor.messages import Array, State
 
 _NUMBERS = re.compile(r"[<>|=][biuf]\d{1,2}")
+MOST_CHARACTERS = 1 << 24
+"""Of what the intake remembers: read, they take thirty times the room. All samples of minutes take less."""
+ROUNDING_M = 1e-3
 Arrays = Sequence[NDArray[np.generic]]
 
 
@@ -41,17 +44,42 @@ def whole(state: State, arrays: Arrays) -> State:
 
 
 def take_up(state: State, intake: Intake, estimator: Estimator) -> None:
-    """Go on from a recorded state. Raises ValueError where it does not fit this configuration or version."""
+    """Go on from a recorded state.
+
+    Raises ValueError where it does not fit this configuration or version, and changes nothing.
+    """
     try:
         saved = {described.name: array_of(described) for described in state.arrays}
-        held = json.loads(state.intake)
+        held = _read(state.intake)
     except ValueError as error:
         raise ValueError(f"the recorded state cannot be read: {error}") from error
-    estimator.restore(saved)
+    before = intake.save(), estimator.save()
     try:
+        estimator.restore(saved)
         intake.restore(held)
-    except (KeyError, TypeError, AttributeError) as error:
-        raise ValueError(f"the recorded state of the intake is of another version: {error}") from error
+        _refuse_two_lengths(intake, estimator)
+    except ValueError:
+        intake.restore(before[0])
+        estimator.restore(before[1])
+        raise
+
+
+def _read(intake: str) -> object:
+    if len(intake) > MOST_CHARACTERS:
+        raise ValueError(f"what the intake remembers takes more than {MOST_CHARACTERS} characters")
+    try:
+        return json.loads(intake)
+    except RecursionError:
+        raise ValueError("what the intake remembers is a list within lists without end") from None
+
+
+def _refuse_two_lengths(intake: Intake, estimator: Estimator) -> None:
+    """Raise ValueError where the two do not agree how long the string was."""
+    told, length = intake.depths.length_at_tick, sum(part.length for part in estimator.string)
+    if not abs(length - told) <= ROUNDING_M:
+        raise ValueError(
+            f"saved state: depths.length holds {told:.3f} m where {length:.3f} m is right, as the string was"
+        )
 
 
 def length_of(state: State) -> float:

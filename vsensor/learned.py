@@ -13,9 +13,11 @@ import numpy as np
 from vsensor import __version__
 from vsensor.checkpoint import array_of
 from vsensor.config import Rig
-from vsensor.estimator.estimator import LONGEST_M, Estimator
+from vsensor.depth import DEEPEST_M
+from vsensor.estimator.estimator import Estimator
 from vsensor.intake import Intake
 from vsensor.messages import Array, Learned
+from vsensor.saved import Saved
 
 HEEDED = ("string", "survey", "wellbore", "top_drive", "bit", "measurement", "estimator", "tuning", "depth")
 """Tables of a configuration that the estimator heeds, beside the loop's rate."""
@@ -48,13 +50,14 @@ def begin_with(before: Learned, rig: Rig, intake: Intake, estimator: Estimator) 
     for name, array in arrays.items():
         if not np.isfinite(array).all():
             raise ValueError(f"{name} is not finite")
-    if not 0 < before.string_length_m <= LONGEST_M:
+    if not 0 < before.string_length_m <= max(DEEPEST_M, intake.depths.length):
         raise ValueError(f"a string of {before.string_length_m:g} m is none")
     estimator.begin_with(arrays)
     # Pipe that was added behind the last tick is taken up at the first.
     length = sum(part.length for part in estimator.string)
     longer = max(round(before.string_length_m - length, 6), 1.0 - estimator.string[0].length)
-    intake.depths.restore({**intake.depths.save(), "length": length + longer, "longer": longer})
+    depths = {**intake.depths.save(), "length": length + longer, "longer": longer}
+    intake.depths.restore(Saved(depths, "depths"))
 
 
 def _heeded(rig: Rig) -> dict[str, Any]:

@@ -118,7 +118,7 @@ def _take_up(source: Path, engine: "Engine | Offline", console: Console) -> None
         engine.take_up(state)
     except ValueError as error:
         console.print(
-            f"what the recording sensor remembered at the start is left aside: {escape(str(error))}",
+            escape(f"{source}: what the sensor remembered at the start is left aside: {error}"),
             soft_wrap=True,
             highlight=False,
         )

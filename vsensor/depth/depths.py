@@ -5,7 +5,6 @@ sticks out above the rotary table. Where it does not, stands were added or taken
 """
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -14,8 +13,9 @@ from numpy.typing import NDArray
 from vsensor.config import Rig
 from vsensor.depth.belief import SILENT_S, Belief, Doubt, Known, Told
 from vsensor.grid import NS
-from vsensor.messages import SURFACE_BIT_DEPTH, SURFACE_HOLE_DEPTH, Sample
+from vsensor.messages import DEPTH_TOPICS, SURFACE_BIT_DEPTH, SURFACE_HOLE_DEPTH, Sample
 from vsensor.quality import Quality
+from vsensor.saved import Saved
 
 SLACK_M = 3.0
 """The depth counts from another point than the string's length, stretch comes on top: so much is no stand."""
@@ -129,6 +129,11 @@ class Depths:
         self._longer += metres
         self._length = longer
 
+    @property
+    def length_at_tick(self) -> float:
+        """Of the string at the newest tick, m: without what `longer_by` has still to tell."""
+        return self._length - self._longer
+
     def longer_by(self) -> float:
         """By how much the string has become longer since the last call, m."""
         longer, self._longer = self._longer, 0.0
@@ -148,19 +153,17 @@ class Depths:
             },
         }
 
-    def restore(self, saved: Mapping[str, Any]) -> None:
-        """Take up what `save` gave; depths of a version that kept no times of them are not known."""
-        self._length = saved["length"]
-        self._longer = saved["longer"]
-        self._commanded = saved["commanded"]
-        known = {
-            topic: Known(Told(value, time_ns), lasts_ns)
-            for topic, (value, time_ns, lasts_ns) in saved.get("told", {}).items()
-        }
-        doubts = {
-            topic: Doubt(Told(value, time_ns), since_ns, samples)
-            for topic, (value, time_ns, since_ns, samples) in saved.get("doubted", {}).items()
-        }
+    def restore(self, saved: Saved) -> None:
+        """Take up what `save` gave; depths of a version that kept no times of them are not known.
+
+        Raises ValueError for what it cannot have given, and is then of no use any more.
+        """
+        longest = max(DEEPEST_M, self._length) + SLACK_M
+        self._length = saved["length"].number(math.nextafter(self._shortest, math.inf), longest)
+        self._longer = saved["longer"].number(-longest, longest)
+        self._commanded = saved["commanded"].or_none(Saved.flag)
+        known = {topic: _known(row) for topic, row in saved.get("told", {}).items(DEPTH_TOPICS)}
+        doubts = {topic: _doubt(row) for topic, row in saved.get("doubted", {}).items(DEPTH_TOPICS)}
         topics = known.keys() | doubts.keys()
         self._beliefs = {topic: Belief(known.get(topic), doubts.get(topic)) for topic in topics}
 
@@ -196,3 +199,18 @@ class Depths:
             self.at_odds = True
         else:
             self.at_odds = False
+
+
+def _told(value: Saved, time_ns: Saved) -> Told:
+    return Told(value.number(0, DEEPEST_M), time_ns.whole(-1 << 63, (1 << 63) - 1))
+
+
+def _known(saved: Saved) -> Known:
+    value, time_ns, lasts_ns = saved.row(3)
+    return Known(_told(value, time_ns), lasts_ns.whole(0, round(SILENT_S * NS)))
+
+
+def _doubt(saved: Saved) -> Doubt:
+    value, time_ns, since_ns, samples = saved.row(4)
+    newest = _told(value, time_ns)
+    return Doubt(newest, since_ns.whole(-1 << 63, newest.time_ns), samples.whole(1, 1 << 53))

@@ -2,16 +2,24 @@
 
 import math
 from bisect import insort
-from collections.abc import Mapping
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 from vsensor.messages import ChannelStatus, Sample
 from vsensor.quality import Quality, Reason
+from vsensor.saved import Saved
 
+FARTHEST_NS = 1 << 62
+"""A time beyond 146 years from 1970 is none: near the end of its 64 bits, a forecast's would not fit."""
 LONGEST_HOLE = 1_000_000
 """A greater leap in the sequence is another publisher's count, and no loss."""
 REMEMBERED = 1000
 """How far back a missing sample's number is known, so that it is no loss if it only comes late."""
+
+
+def a_time(saved: Saved) -> int:
+    """A recorded time of a surface sample or a tick. Raises ValueError for what cannot be one."""
+    return saved.whole(-FARTHEST_NS, FARTHEST_NS)
 
 
 class Point(NamedTuple):
@@ -81,7 +89,8 @@ class Channel:
         ahead = 0 if self.next_sequence is None else given - self.next_sequence
         if given in self._missing:
             self._missing.remove(given)
-            self.counts.lost -= 1
+            # Missed before a state was taken up, it is in no count.
+            self.counts.lost = max(self.counts.lost - 1, 0)
         elif 0 <= ahead <= LONGEST_HOLE:
             self.counts.lost += max(ahead - self._unread, 0)
             self._remember(given, 0 if self._unread else ahead)  # which of them were unread is not known
@@ -166,16 +175,29 @@ class Channel:
             "missing": sorted(self._missing),
         }
 
-    def restore(self, saved: Mapping[str, Any]) -> None:
-        """Take up what `save` gave, or an older version, in which none waited; the counts stay."""
-        self.points = [Point(time_ns, value, Reason(flags)) for time_ns, value, flags in saved["points"]]
-        self.pace_ns = saved.get("pace_ns")
-        self.waiting = None
-        if waiting := saved.get("waiting"):
-            time_ns, value, flags = waiting
-            self.waiting = Point(time_ns, value, Reason(flags))
-        self.next_sequence = saved["next_sequence"]
-        self._missing = set(saved["missing"])
+    def restore(self, saved: Saved) -> None:
+        """Take up what `save` gave, or an older version, in which none waited; the counts stay.
+
+        Raises ValueError for what it cannot have given.
+        """
+        self.points = [self._point(row) for row in saved["points"].rows()]
+        if any(later.time_ns <= point.time_ns for point, later in pairwise(self.points)):
+            raise saved["points"].wrong("a list in the order of time")
+        self.pace_ns = saved.get("pace_ns", None).or_none(lambda pace: pace.whole(1, 2 * FARTHEST_NS))
+        self.waiting = saved.get("waiting", None).or_none(self._point)
+        self.next_sequence = saved["next_sequence"].or_none(lambda given: given.whole(0, 1 << 64))
+        missing = saved["missing"].rows()
+        if len(missing) > REMEMBERED:
+            raise saved["missing"].wrong(f"a list of {REMEMBERED} at the most")
+        self._missing = {number.whole(0, (1 << 64) - 1) for number in missing}
+
+    def _point(self, saved: Saved) -> Point:
+        time_ns, value, flags = saved.row(3)
+        return Point(
+            a_time(time_ns),
+            value.number(-self.limit, self.limit),
+            Reason(flags.whole(0, int(~Reason(0)))),
+        )
 
     def let_go(self, time_ns: int) -> None:
         """Drop what lies before a time, but for the last of it."""

@@ -6,7 +6,6 @@ held against it, nor where the configuration says that a channel is without nois
 """
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 
 from vsensor.config import Rig
 from vsensor.quality import Reason
+from vsensor.saved import Saved
 
 LASTING_S = 3.0
 """A stiff drive's speed, read in coarse steps, may well repeat for a second."""
@@ -119,13 +119,18 @@ class Frozen:
             for reading in (self._torque, self._speed)
         ]
 
-    def restore(self, saved: Sequence[Sequence[float | None]]) -> None:
+    def restore(self, saved: Saved) -> None:
         """Take up what `save` gave. Raises ValueError for what it cannot have given."""
-        for reading, numbers in zip((self._torque, self._speed), saved, strict=True):
-            value, ticks, low, high = (
-                default if number is None else float(number)
-                for number, default in zip(numbers, NO_RUN, strict=True)
+        for reading, row in zip((self._torque, self._speed), saved.row(2), strict=True):
+            value, ticks, low, high = row.row(4)
+            reading.run = Run(
+                _number(value, NO_RUN.value),
+                ticks.whole(0, MOST_TICKS),
+                _number(low, NO_RUN.low),
+                _number(high, NO_RUN.high),
             )
-            if not 0 <= ticks <= MOST_TICKS:
-                raise ValueError(f"a reading stands at one value for {ticks:g} ticks")
-            reading.run = Run(value, int(ticks), low, high)
+
+
+def _number(saved: Saved, otherwise: float) -> float:
+    number = saved.or_none(Saved.number)
+    return otherwise if number is None else number

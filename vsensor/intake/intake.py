@@ -5,7 +5,7 @@ it. No clock of ours takes part, so the same samples in the same order give the 
 offline or replayed.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,17 +16,17 @@ from vsensor.config import Rig
 from vsensor.depth import Depths
 from vsensor.errors import InputError
 from vsensor.grid import NS, Grid
-from vsensor.intake.channel import Channel
+from vsensor.intake.channel import FARTHEST_NS, Channel, a_time
 from vsensor.intake.frozen import Frozen
+from vsensor.intake.sound import Laid, refuse_unsound
 from vsensor.messages import DEPTH_TOPICS, SURFACE_SPEED, SURFACE_TORQUE, Event, Sample
 from vsensor.quality import Reason
+from vsensor.saved import Saved
 
 FORECAST_SHED = "forecast_shed"
 """The name of an event: the loop was short of time from here on, or no longer, and foretold nothing."""
 OBEYED = (COMMAND, FORECAST_SHED)
 """Names of recorded events that change what comes of the samples behind them."""
-FARTHEST_NS = 1 << 62
-"""A time beyond 146 years from 1970 is none: near the end of its 64 bits, a forecast's would not fit."""
 
 
 class Input(NamedTuple):
@@ -86,19 +86,25 @@ class Intake:
             "frozen": self.frozen.save(),
         }
 
-    def restore(self, saved: Mapping[str, Any]) -> None:
-        """Take up what `save` gave, or an older version: the same samples then give the same ticks."""
-        self._anchor_ns = saved["anchor_ns"]
-        self._number = saved["number"]
-        self._consumed_ns = saved["consumed_ns"]
-        self._jump_ns = dict(saved["jump_ns"])
-        self.forecast_shed = bool(saved["forecast_shed"])
+    def restore(self, told: object) -> None:
+        """Take up what `save` gave, or an older version: the same samples then give the same ticks.
+
+        Raises ValueError for what it cannot have given, and is then of no use any more.
+        """
+        saved = Saved(told, "intake")
+        self._anchor_ns = saved["anchor_ns"].or_none(a_time)
+        self._number = saved["number"].whole(0, 1 << 64)
+        self._consumed_ns = saved["consumed_ns"].or_none(a_time)
+        self._jump_ns = {topic: a_time(jump) for topic, jump in saved["jump_ns"].items(self.channels)}
+        self.forecast_shed = saved["forecast_shed"].flag()
         for topic, channel in self.channels.items():
             channel.restore(saved["channels"][topic])
         self.depths.restore(saved["depths"])
         self.frozen.forget()
-        if "frozen" in saved:
-            self.frozen.restore(saved["frozen"])
+        saved.get("frozen", None).or_none(self.frozen.restore)
+        reach_ns = 2 * (self._restart_gap_ns + self.max_gap_ns)
+        laid = Laid(self._anchor_ns, self._number, self._consumed_ns)
+        refuse_unsound(saved, laid, self._grid, self.channels, reach_ns)
 
     def take(self, topic: str, sample: Sample | Event | None) -> list[Input]:
         """Take one sample in the order of arrival, None for one that could not be read.

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vsensor.intake.arrivals import Arrivals, Floats, Inputs, Integers, by_columns
-from vsensor.intake.channel import Channel, Point
-from vsensor.intake.intake import FARTHEST_NS, Intake
+from vsensor.intake.channel import FARTHEST_NS, Channel, Point
+from vsensor.intake.intake import Intake
 from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE
 from vsensor.quality import Quality, Reason
 
