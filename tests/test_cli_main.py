@@ -1,5 +1,7 @@
 """The command line as a whole: help, version, errors as messages with an exit status."""
 
+import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -59,6 +61,63 @@ def test_what_ends_a_command_becomes_its_status(
     result = CliRunner().invoke(main.app, ["check", "any.toml"])
     assert result.exit_code == status
     assert result.output == (f"error: {raised}\n" if str(raised) else "")
+
+
+PROGRAM = (sys.executable, "-m", "vsensor.cli.main")
+
+
+@pytest.mark.process
+@pytest.mark.parametrize("words", [["--version"], ["--help"], ["info", "recordings/stick_slip.mcap"]])
+def test_where_standard_output_takes_no_more_one_line_says_so(words: list[str]) -> None:
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run([*PROGRAM, *words], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    told = "error: standard output: cannot be written: No space left on device\n"
+    assert (done.returncode, done.stderr) == (1, told)
+
+
+@pytest.mark.process
+def test_a_terminal_without_our_letters_shows_question_marks() -> None:
+    told = subprocess.run(
+        [*PROGRAM, "check", "config/drilling.toml"],
+        env=os.environ | {"PYTHONIOENCODING": "ascii"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert "N?m" in told.stdout
+
+
+@pytest.mark.process
+def test_who_reads_no_further_than_the_first_line_is_told_of_no_error() -> None:
+    with subprocess.Popen(
+        [*PROGRAM, "check", "config/drilling.toml"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        process.stdout.close()
+        _, told = process.communicate(timeout=60)
+    assert (process.returncode, told) == (1, "")
+
+
+@pytest.mark.process
+@pytest.mark.parametrize(
+    ("words", "status", "said"),
+    [
+        (["info", "recordings/stick_slip.mcap"], 0, ""),
+        (["status", "config/drilling.toml", "--connect", "tcp/127.0.0.1:1"], 1, "error: no bus at"),
+        (["run", "CONFIG"], 1, "error: "),
+    ],
+)
+def test_without_a_standard_output_the_work_is_done_all_the_same(
+    tmp_path: Path, words: list[str], status: int, said: str
+) -> None:
+    """As under a supervisor that closes it."""
+    taken = tmp_path / "rig.toml"
+    taken.write_text(Path("config/drilling.toml").read_text() + '[bus]\nlisten = ["tcp/192.0.2.1:7447"]\n')
+    command = shlex.join([*PROGRAM, *(str(taken) if word == "CONFIG" else word for word in words)])
+    shut = ["sh", "-c", f"exec {command} >&-"]
+    done = subprocess.run(shut, stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr.startswith(said)) == (status, True), done.stderr
+    assert "Traceback" not in done.stderr
 
 
 @pytest.mark.process

@@ -1,5 +1,7 @@
 """The command `vsensor`: finds the command that is called, and turns its errors into an exit status."""
 
+import os
+import sys
 from importlib import import_module
 from keyword import iskeyword
 from typing import Annotated, Any
@@ -7,6 +9,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
+from vsensor.cli.output import Output
 from vsensor.errors import VsensorError
 
 # Command → its line in `vsensor --help`. Command X is the function X in vsensor/cli/X.py, with an
@@ -86,7 +89,15 @@ def _vsensor(
 
 def main() -> None:
     """Run the command line; exit status 0 done, 1 the work failed, 2 wrong use, 130 stopped by Ctrl-C."""
-    app()
+    output = Output.standard()
+    sys.stdout = output
+    try:
+        app()
+    except OSError as error:
+        if error is not output.failure:
+            raise
+        os.dup2(os.open(os.devnull, os.O_WRONLY), output.fileno())  # for what still waits to be written
+        sys.exit(f"error: standard output: cannot be written: {error.strerror}")
 
 
 if __name__ == "__main__":
