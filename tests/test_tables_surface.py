@@ -42,8 +42,18 @@ def columns_of(table: SurfaceTable) -> list[list[float]]:
         '"motor_speed_rad_s","remark","time_s","motor_torque_nm"\n-.15,"a ""b""",0.5,10\n2,,.75,11.5',
         "\n" + HEADER + "\n 0.5 , 10,-0.15\n\n+0.75,11.5,2.0\n\n",
         HEADER.replace(",", ", ") + "0.5, 10, -0.15\n0.75, 11.5, 2.0\n",
+        "\ufeffsep=;\r\n" + HEADER.replace(",", ";") + "0.5;10;-0.15\n0.75;11.5;2\n",
+        'SEP=|\n\n"a;b;c;d"|' + HEADER.replace(",", "|") + "1|0.5|10|-0.15\n2|0.75|11.5|2\n",
     ],
-    ids=["plain", "windows", "other order and columns", "blank lines and spaces", "spaces after commas"],
+    ids=[
+        "plain",
+        "windows",
+        "other order and columns",
+        "blank lines and spaces",
+        "spaces after commas",
+        "excel",
+        "excel, parted by bars",
+    ],
 )
 def test_csv_is_read_as_rigs_write_it(tmp_path: Path, text: str) -> None:
     assert columns_of(read_surface(csv_file(tmp_path, text))) == [[0.5, 0.75], [10.0, 11.5], [-0.15, 2.0]]
@@ -103,6 +113,10 @@ def test_other_names_and_units(tmp_path: Path) -> None:
         ("time_s," + HEADER + "0,0,1,2\n", "has more than one column 'time_s'"),
         (HEADER + "0,1,2\n1,1\n", "line 3: has 2 values, where the header names 3"),
         (HEADER + "0,1,2\n\n\n1,1,2,3\n", "line 5: has 4 values, where the header names 3"),
+        ("sep=,\n" + HEADER + "0,1,2\n\n1,1\n", "line 5: has 2 values, where the header names 3"),
+        ("sep=,\n" + HEADER + "0,1,2\n1,high,2\n", "line 4: motor_torque_nm is 'high'"),
+        ("sep=;\n", "is empty: a header and rows were expected"),
+        ("sep=;\n" + HEADER + "0,1,2\n", "has no column 'time_s'; its columns are: 'time_s,motor_torque_nm"),
         (HEADER + "0,1,2\n1,high,2\n", "line 3: motor_torque_nm is 'high': a finite number was expected"),
         (HEADER + "0,1,2\n\n1,2,1_0\n", "line 4: motor_speed_rad_s is '1_0'"),
         (HEADER + "0,1,2\n,1,2\n", "line 3: time_s is empty"),

@@ -1,10 +1,11 @@
 """Where a table comes from: CSV, Parquet or Arrow, a batch of rows at a time."""
 
 import csv
+import re
 from collections.abc import Iterator, Sequence
 from itertools import islice
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, TextIO
 
 import pyarrow as pa
 import pyarrow.csv as arrow_csv
@@ -15,6 +16,8 @@ from vsensor.errors import ConfigError, InputError
 _DAMAGED = (pa.ArrowException, OSError, UnicodeDecodeError)
 """What Arrow raises where a file is not what it should be."""
 _DELIMITERS = (",", ";", "\t")
+_TOLD = re.compile(r"sep=([,;\t|:])\r?\n?", re.IGNORECASE)
+"""Excel's first line, by which it knows again what parts the columns."""
 
 
 class Source(Protocol):
@@ -32,10 +35,18 @@ class Source(Protocol):
 
 
 class Csv:
-    """Columns apart by commas, semicolons or tabs, whichever parts the header into most; all as text."""
+    """Columns apart by what a first line says (`sep=;`), else by commas, semicolons or tabs, all as text.
+
+    Of the three it is what parts the header into most.
+    """
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        with self._opened() as file:
+            told = _TOLD.fullmatch(file.readline(len("sep=;\r\n")))
+        self._delimiters = (told[1],) if told else _DELIMITERS
+        self._skipped = 1 if told else 0
+        """Lines before the header."""
 
     def batches(self, names: Sequence[str]) -> Iterator[pa.RecordBatch]:
         """Yield these columns, a batch of rows at a time."""
@@ -59,7 +70,10 @@ class Csv:
         try:
             batches = arrow_csv.open_csv(
                 self.path,
-                read_options=arrow_csv.ReadOptions(use_threads=False),  # else rows are not counted
+                read_options=arrow_csv.ReadOptions(
+                    skip_rows=self._skipped,
+                    use_threads=False,  # else rows are not counted
+                ),
                 parse_options=arrow_csv.ParseOptions(delimiter=delimiter, invalid_row_handler=refuse),
                 convert_options=options,
             )
@@ -68,8 +82,9 @@ class Csv:
             if not ragged or ragged[-1].number is None:
                 raise InputError(f"{self.path}: is no CSV table: {error}") from error
             bad = ragged[-1]
+            place = self.place(bad.number - 2 - self._skipped)
             raise InputError(
-                f"{self.path}, {self.place(bad.number - 2)}: has {bad.actual_columns} values, "
+                f"{self.path}, {place}: has {bad.actual_columns} values, "
                 f"where the header names {bad.expected_columns}"
             ) from error
 
@@ -77,9 +92,10 @@ class Csv:
         """What parts the columns, and their names."""
         try:
             found = []
-            for delimiter in _DELIMITERS:
-                with self.path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
-                    found.append((delimiter, next(filter(None, csv.reader(file, delimiter=delimiter)))))
+            for delimiter in self._delimiters:
+                with self._opened() as file:
+                    reader = csv.reader(islice(file, self._skipped, None), delimiter=delimiter)
+                    found.append((delimiter, next(filter(None, reader))))
             return max(found, key=lambda told: len(told[1]))
         except StopIteration as error:
             raise InputError(f"{self.path}: is empty: a header and rows were expected") from error
@@ -88,11 +104,16 @@ class Csv:
 
     def place(self, row: int) -> str:
         """The line in which a row stands."""
-        with self.path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
+        with self._opened() as file:
             reader = csv.reader(file)
-            for _ in islice(filter(None, reader), row + 2):  # with the header, without blank lines
+            for _ in islice(
+                filter(None, reader), self._skipped + row + 2
+            ):  # with the header, without blank lines
                 pass
             return f"line {reader.line_num}"
+
+    def _opened(self) -> TextIO:
+        return self.path.open(encoding="utf-8-sig", errors="replace", newline="")
 
 
 class Parquet:
