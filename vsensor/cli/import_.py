@@ -45,7 +45,6 @@ def import_(
     ] = "",
 ) -> None:
     """Make a session of a table of surface torque and speed."""
-    from vsensor.recording.writer import SessionWriter
     from vsensor.tables import Layout, TimeForm, surface_pieces
     from vsensor.tables.resample import resampled
 
@@ -62,26 +61,29 @@ def import_(
     pieces = surface_pieces(source, layout, whole=bool(resample))
     if resample:
         pieces = resampled(pieces, resample)
-    with (
-        Console(stderr=True).status(f"importing {source.name}"),
-        SessionWriter(
-            output,
-            configuration=effective_toml(known) if known else "",
-            metadata={
-                "rig": rig or (known.rig.name if known else ""),
-                "vsensor": __version__,
-                "imported_from": source.name,
-                **({"resampled_to": resample} if resample else {}),
-            },
-            compression="zstd",
-        ) as writer,
-    ):
+    metadata = {
+        "rig": rig or (known.rig.name if known else ""),
+        "vsensor": __version__,
+        "imported_from": source.name,
+        **({"resampled_to": resample} if resample else {}),
+    }
+    with Console(stderr=True).status(f"importing {source.name}"):
+        rows = _session(output, effective_toml(known) if known else "", metadata, pieces)
+    typer.echo(f"{rows} rows of {source} imported into {output}")
+
+
+def _session(
+    output: Path, configuration: str, metadata: dict[str, str], pieces: "Iterator[SurfaceTable]"
+) -> int:
+    """Write all of it, or no session; returns how many rows."""
+    from vsensor.recording.writer import SessionWriter
+
+    with SessionWriter(output, configuration=configuration, metadata=metadata, compression="zstd") as writer:
         try:
-            rows = _write(writer, pieces)
+            return _write(writer, pieces)
         except VsensorError:
             writer.part.unlink(missing_ok=True)  # half a table is no session
             raise
-    typer.echo(f"{rows} rows of {source} imported into {output}")
 
 
 def _write(writer: "SessionWriter", pieces: "Iterator[SurfaceTable]") -> int:

@@ -17,7 +17,10 @@ if TYPE_CHECKING:
     import zenoh
 
     from vsensor.messages import Message
+    from vsensor.recording.course import Course
     from vsensor.recording.reader import Session
+
+    Put = Callable[[str, Message], object]
 
 FASTEST = "max"
 HIGHEST = 1e6
@@ -64,12 +67,11 @@ def replay(
     max_gap: Annotated[float, typer.Option(help="Seconds to wait between sessions at most.", min=0)] = 10.0,
 ) -> None:
     """Publish sessions as if live. At a terminal space pauses, . steps, the arrows seek, q ends."""
-    from vsensor.bus import SURFACE_CACHE, Outbox, open_session, wait_for_sensor
+    from vsensor.bus import open_session, wait_for_sensor
     from vsensor.cli.screen import Screen
     from vsensor.messages import SENSOR_EVENT, SURFACE_TOPICS
-    from vsensor.recording.course import Course
     from vsensor.recording.keyboard import Keyboard
-    from vsensor.recording.player import Command, no_return, play
+    from vsensor.recording.player import Command, play
     from vsensor.recording.reader import Session
     from vsensor.service.pace import MonotonicClock
     from vsensor.signals import until_signalled
@@ -77,21 +79,14 @@ def replay(
     recorded = [Session(path) for path in sessions]
     chosen = _topics(topics) if topics else SURFACE_TOPICS
     bus, prefix = _bus(recorded, rig, connect)
-    course = Course(recorded, (*chosen, SENSOR_EVENT) if commands else chosen, max_gap)
-    for session in course.passed_over:
-        typer.echo(f"{session.path} holds none of {', '.join(course.topics)}, and is passed over", err=True)
+    course = _course(recorded, (*chosen, SENSOR_EVENT) if commands else chosen, max_gap)
     console = Console(stderr=True)
     with until_signalled() as stopped, open_session(bus, "client") as zenoh:
         if not wait_for_sensor(zenoh, prefix):
             typer.echo(f"nobody listens on {prefix} yet; publishing all the same", err=True)
         with Keyboard() as keyboard, Screen(console, course, prefix, speed, keyboard.listening) as screen:
-            put: Callable[[str, Message], object] = Outbox(
-                zenoh, prefix, reliable=True, cache=SURFACE_CACHE
-            ).put
-            again: Callable[[], None] = no_return
-            if commands:
-                told = _Commanding(zenoh, prefix, screen.say)
-                put, again = told.putting(put, publish=SENSOR_EVENT in chosen), told.take_back
+            told = _Commanding(zenoh, prefix, screen.say) if commands else None
+            put, again = _outlets(zenoh, prefix, told, SENSOR_EVENT in chosen)
             count = play(
                 course,
                 put,
@@ -122,6 +117,27 @@ def _topics(text: str) -> tuple[str, ...]:
     return topics
 
 
+def _course(sessions: "list[Session]", topics: tuple[str, ...], max_gap: float) -> "Course":
+    """What is played of the sessions; of one that holds nothing of it is said that it is passed over."""
+    from vsensor.recording.course import Course
+
+    course = Course(sessions, topics, max_gap)
+    for session in course.passed_over:
+        typer.echo(f"{session.path} holds none of {', '.join(topics)}, and is passed over", err=True)
+    return course
+
+
+def _outlets(
+    zenoh: "zenoh.Session", prefix: str, told: "_Commanding | None", events: bool
+) -> "tuple[Put, Callable[[], None]]":
+    """Where messages go, and what is done before a lap begins again."""
+    from vsensor.bus import SURFACE_CACHE, Outbox
+    from vsensor.recording.player import no_return
+
+    put: Put = Outbox(zenoh, prefix, reliable=True, cache=SURFACE_CACHE).put
+    return (told.putting(put, publish=events), told.take_back) if told else (put, no_return)
+
+
 def _bus(sessions: "list[Session]", rig: str, connect: str) -> tuple[Bus, str]:
     """Where to publish, and under which prefix: as asked, else as recorded."""
     session = sessions[0]
@@ -148,9 +164,7 @@ class _Commanding:
         self._session, self._prefix, self._say = session, prefix, say
         self._undo = Undo()
 
-    def putting(
-        self, put: "Callable[[str, Message], object]", publish: bool
-    ) -> "Callable[[str, Message], None]":
+    def putting(self, put: "Put", publish: bool) -> "Put":
         """Publish, and give what is a command; other events too only where asked to `publish` them."""
         from vsensor.commands import COMMAND
         from vsensor.messages import Event

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from vsensor.recording.reader import Session
     from vsensor.view.live import Show
     from vsensor.view.place import Place
+    from vsensor.view.screen import Screen
+    from vsensor.view.units import Units
 
 Say = Callable[[str], None]
 
@@ -54,10 +56,7 @@ def view(
     try:
         from vsensor.view import place as places
         from vsensor.view.blueprint import blueprint
-        from vsensor.view.live import Show
-        from vsensor.view.plots import Drive
         from vsensor.view.screen import Screen
-        from vsensor.view.stream import Stream
         from vsensor.view.units import Units
     except ModuleNotFoundError as error:
         raise VsensorError(f"needs {error.name}, an extra: pip install 'vsensor[view]'") from error
@@ -65,7 +64,7 @@ def view(
     say: Say = partial(Console().print, markup=False, highlight=False, soft_wrap=True)
     recorded = _recorded(session, rig, connect)
     known = load(config) if config else _configuration(recorded, say)
-    how, drive = known.view if known else View(), known.top_drive if known else TopDrive()
+    how = known.view if known else View()
     units = Units(speed_unit or how.speed_unit, torque_unit or how.torque_unit)
     bus, prefix = _source(known, rig, connect)
     os.nice(BEHIND)
@@ -79,12 +78,19 @@ def view(
             live=recorded is None,
         ) as screen,
     ):
-        new_stream = partial(Stream, units, Drive(drive.gear_ratio, drive.efficiency), how.history)
-        show = Show(screen, new_stream)
+        show = _show(screen, units, known.top_drive if known else TopDrive(), how.history)
         if recorded:
             _show_session(recorded, known, show, place, stopped, say)
         else:
             _show_live(bus, prefix, show, place, stopped, say)
+
+
+def _show(screen: "Screen", units: "Units", drive: TopDrive, history: float) -> "Show":
+    from vsensor.view.live import Show
+    from vsensor.view.plots import Drive
+    from vsensor.view.stream import Stream
+
+    return Show(screen, partial(Stream, units, Drive(drive.gear_ratio, drive.efficiency), history))
 
 
 def _show_live(

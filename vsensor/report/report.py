@@ -60,48 +60,12 @@ def write(path: Path, html: str) -> None:
 def _parts(
     session: Session, story: Story, summary: Summary, severity: Severity, minute_s: float, drawn: set[str]
 ) -> str:
-    along = (
-        place("along")
-        if "along" in drawn
-        else '<p class="note">The session holds no profiles of the string.</p>'
-    )
-    late = place("lateness") if "lateness" in drawn else '<p class="note">No loop ran: made offline.</p>'
+    late = place("lateness") if "lateness" in drawn else _note("No loop ran: made offline.")
     return "".join(
         (
-            section(
-                "The whole session",
-                "Bit and top of the string as confirmed. Each stretch too short to be drawn is shown by its "
-                f"least and greatest. Severity is (ω_max − ω_min) / (2 ω_mean) of the bit's speed over "
-                f"{severity.window_s:g} s: 0 is smooth, from 1 (dotted) on the bit stops. Shaded: the worst "
-                "stretch, shown below.",
-                place("over-time"),
-            ),
-            section(
-                f"The worst {minute_s:g} s",
-                "Every tick of the stretch in which bit and top were furthest apart (rms). Now was said at "
-                "the time, foretold as far ahead as the waves in the string tell; confirmed is what both "
-                "were held against later.",
-                place("closely"),
-            ),
-            section(
-                "How the bit and the rock got on",
-                "Where the bit was, the darker the oftener (by tenfold steps); red: the load law learned, "
-                f"{_law_words(story)}.",
-                place("portrait"),
-            ),
-            section(
-                "Along the string",
-                "The greatest torque and shear stress at each depth in the session, what the components "
-                "bear, and the least that was left, 100 % being no load.",
-                along,
-            ),
-            section(
-                "How well it was foretold",
-                "Root mean square of what was said less what was confirmed in the end: now and forecast of "
-                "every tick, and at five horizons what the sensor counted while it ran, over the session and "
-                "in its last minute.",
-                place("by-horizon"),
-            ),
+            _over_time(severity, minute_s),
+            _string_and_rock(story, drawn),
+            _foretold(),
             pair(
                 section("Losses", "Everything that was counted as lost.", table(_losses(story, summary))),
                 section("The loop's lateness", "Wake-up after the deadline of each tick.", late),
@@ -116,6 +80,51 @@ def _parts(
             ),
         )
     )
+
+
+def _over_time(severity: Severity, minute_s: float) -> str:
+    return section(
+        "The whole session",
+        "Bit and top of the string as confirmed. Each stretch too short to be drawn is shown by its "
+        f"least and greatest. Severity is (ω_max − ω_min) / (2 ω_mean) of the bit's speed over "
+        f"{severity.window_s:g} s: 0 is smooth, from 1 (dotted) on the bit stops. Shaded: the worst "
+        "stretch, shown below.",
+        place("over-time"),
+    ) + section(
+        f"The worst {minute_s:g} s",
+        "Every tick of the stretch in which bit and top were furthest apart (rms). Now was said at "
+        "the time, foretold as far ahead as the waves in the string tell; confirmed is what both "
+        "were held against later.",
+        place("closely"),
+    )
+
+
+def _string_and_rock(story: Story, drawn: set[str]) -> str:
+    return section(
+        "How the bit and the rock got on",
+        "Where the bit was, the darker the oftener (by tenfold steps); red: the load law learned, "
+        f"{_law_words(story)}.",
+        place("portrait"),
+    ) + section(
+        "Along the string",
+        "The greatest torque and shear stress at each depth in the session, what the components "
+        "bear, and the least that was left, 100 % being no load.",
+        place("along") if "along" in drawn else _note("The session holds no profiles of the string."),
+    )
+
+
+def _foretold() -> str:
+    return section(
+        "How well it was foretold",
+        "Root mean square of what was said less what was confirmed in the end: now and forecast of "
+        "every tick, and at five horizons what the sensor counted while it ran, over the session and "
+        "in its last minute.",
+        place("by-horizon"),
+    )
+
+
+def _note(words: str) -> str:
+    return f'<p class="note">{words}</p>'
 
 
 def _window(session: Session) -> float:
