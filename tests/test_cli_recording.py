@@ -143,6 +143,15 @@ def test_info_of_a_torn_session_says_so_and_recover_mends_it(session: Path) -> N
         (("import", "a.csv", "-o", "x.mcap", "--torque-unit", "rpm"), 2, "no unit for motor_torque_nm"),
         (("import", "a.csv", "-o", "x.mcap", "--torque-column", "TQ"), 1, "no column 'TQ'"),
         (("import", "a.csv"), 2, "--output"),
+        (("import", "a.csv", "-o", "x.mcap", "--time-zone", "Mars"), 2, "'Mars' is no time zone"),
+        (("import", "a.csv", "-o", "x.mcap", "--rig", "a/b"), 2, "letters, digits and . _ -"),
+        (("replay", "star.mcap"), 2, "star.mcap: the recorded rig: 1 fault name = '**'"),
+        (("view", "--session", "a.mcap", "--save", "a.mcap"), 2, "--save a.mcap: must end in .rrd"),
+        (("simulate", "rig.toml", "--truth", "rig.toml"), 2, "--truth rig.toml: must end in .csv"),
+        (("estimate", "a.csv", "rig.toml", "-o", "a.csv"), 2, "a.csv: is what is read"),
+        (("estimate", "rig.toml", "-o", "x.csv"), 2, "rig.toml: a table's name must end in .csv"),
+        (("check", "windows.toml"), 2, "windows.toml, line 2: is not UTF-8: save it as UTF-8"),
+        (("check", "no.toml"), 2, "no.toml: cannot be read: No such file or directory"),
         (("export", "a.mcap", "-o", "x.csv"), 1, "holds no bit/estimate; --surface"),
         (("export", "a.mcap", "--surface", "-o", "x.txt"), 2, "must end in .csv or .parquet"),
         (("export", "a.csv", "-o", "x.csv"), 1, "is no MCAP file"),
@@ -157,10 +166,16 @@ def test_wrong_use_is_explained(
     session: Path, monkeypatch: pytest.MonkeyPatch, words: Sequence[str], status: int, said: str
 ) -> None:
     monkeypatch.chdir(session.parent)
+    Path("rig.toml").write_text(CONFIG)
+    Path("windows.toml").write_text("[rig]\nname = 'Bohrloch-Süd'\n", encoding="latin-1")
+    star = SessionWriter(Path("star.mcap"), configuration="", metadata={"rig": "**"}, compression="none")
+    with star as writer:
+        writer.write(SURFACE_TORQUE, Sample(time_ns=0, value=1).SerializeToString(), 0, 0)
+    before = {path.name: path.read_bytes() for path in session.parent.iterdir()}
     done = vsensor(*words)
     assert done.exit_code == status
     assert said in " ".join(done.output.split())
-    assert not list(session.parent.glob("x*"))
+    assert {path.name: path.read_bytes() for path in session.parent.iterdir()} == before
 
 
 def test_replay_asks_for_the_rig_where_nothing_says_it(tmp_path: Path) -> None:
@@ -174,3 +189,22 @@ def test_names_are_shown_as_they_are(session: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.chdir(session.parent)
     session.rename("[bold]a.mcap")
     assert "[bold]a.mcap" in vsensor("info", "[bold]a.mcap").output
+
+
+@pytest.mark.parametrize("ending", ["mcap.part", "MCAP", "mcap.torn"])
+def test_estimates_are_made_of_a_session_that_is_torn_or_named_in_capitals(
+    session: Path, tmp_path: Path, ending: str
+) -> None:
+    (tmp_path / "rig.toml").write_text(CONFIG)
+    torn = session.rename(tmp_path / f"b.{ending}")
+    done = vsensor("estimate", torn, tmp_path / "rig.toml", "-o", tmp_path / "b.csv")
+    assert (done.exit_code, "200 ticks estimated" in done.output) == (0, True), done.output
+
+
+def test_a_table_that_is_bad_further_down_leaves_no_session_of_estimates(tmp_path: Path) -> None:
+    table = surface_csv(tmp_path / "a.csv")
+    table.write_text(table.read_text() + "x,1,1\n")
+    (tmp_path / "rig.toml").write_text(CONFIG)
+    done = vsensor("estimate", table, tmp_path / "rig.toml", "-o", tmp_path / "b.mcap")
+    assert (done.exit_code, "line 202" in done.output) == (1, True), done.output
+    assert not list(tmp_path.glob("b*"))

@@ -194,6 +194,13 @@ def test_of_another_strings_state_only_what_was_added_is_taken_up() -> None:
         assert other.estimator.string[0].length == 1300.0 + longer
 
 
+def test_a_picture_that_cannot_be_written_is_told(tmp_path: Path) -> None:
+    (tmp_path / "full.png").symlink_to("/dev/full")
+    status, said = run("-o", str(tmp_path / "full.png"))
+    assert status == 1
+    assert "full.png: cannot be written: No space left on device" in said
+
+
 def test_under_another_rig_it_tells_and_draws_what_changes(tmp_path: Path) -> None:
     picture = tmp_path / "changes.png"
     status, said = run("--set", "top_drive.inertia=2100 kg*m^2", "-o", str(picture))

@@ -41,6 +41,8 @@ def estimate(
 
     if output.suffix not in SINKS and output.suffix != ".mcap":
         raise ConfigError(f"{output}: estimates go into {', '.join(SINKS)} or .mcap: end its name so")
+    if output.exists() and source.exists() and output.samefile(source):
+        raise ConfigError(f"{output}: is what is read: choose another name for the estimates")
     rig = _rig(source, config)
     write = _to_session if output.suffix == ".mcap" else _to_table
     if write is _to_table:
@@ -54,7 +56,10 @@ def estimate(
 def _rig(source: Path, config: Path | None) -> Rig:
     if config is not None:
         return load(config)
-    if source.suffix != ".mcap":
+    from vsensor.tables.sources import source_of
+
+    if not _is_session(source):
+        source_of(source)  # refuses what is none
         raise ConfigError(
             f"{source}: a table holds no configuration: name one, as in\n"
             f"  vsensor estimate {source} RIG.toml -o OUTPUT"
@@ -65,6 +70,11 @@ def _rig(source: Path, config: Path | None) -> Rig:
     if recorded is None:
         raise ConfigError(f"{source}: holds no configuration: name one behind it")
     return loads(recorded, f"{source}: recorded configuration")
+
+
+def _is_session(source: Path) -> bool:
+    """Whole or torn: NAME.mcap, NAME.mcap.part."""
+    return ".mcap" in (suffix.lower() for suffix in source.suffixes)
 
 
 def _feed(source: Path, forecast: bool, sensor: "Offline | None" = None) -> "Feed":
@@ -79,7 +89,7 @@ def _feed(source: Path, forecast: bool, sensor: "Offline | None" = None) -> "Fee
     from vsensor.recording.reader import Session
     from vsensor.tables import surface_pieces
 
-    if source.suffix == ".mcap":
+    if _is_session(source):
         settling = (sensor.intake.depths.settles,) if sensor else ()
         obeyed = [name for name in OBEYED if forecast or name != FORECAST_SHED]
         yield from feed(Session(source), obeyed, *settling)
@@ -111,7 +121,7 @@ def _begin(source: Path, engine: "Engine | Offline", forecast: bool, console: Co
 def _take_up(source: Path, engine: "Engine | Offline", console: Console) -> None:
     from vsensor.recording.reader import Session
 
-    state = Session(source).state() if source.suffix == ".mcap" else None
+    state = Session(source).state() if _is_session(source) else None
     if state is None:
         return
     try:
@@ -143,19 +153,22 @@ def _to_session(rig: Rig, source: Path, output: Path, forecast: bool, console: C
     from vsensor.config import effective_toml
     from vsensor.messages import BIT_ESTIMATE, SENSOR_STATE, SENSOR_TICK
     from vsensor.provenance import provenance
-    from vsensor.recording.writer import SessionWriter
+    from vsensor.recording.writer import SessionWriter, all_or_nothing
     from vsensor.service.engine import Engine
 
     engine = Engine(rig)
     _begin(source, engine, forecast, console)
     begun = checkpoint.whole(*checkpoint.remembered(engine.intake, engine.estimator))
     ticks = 0
-    with SessionWriter(
-        output,
-        configuration=effective_toml(rig),
-        metadata=provenance(rig),
-        compression=rig.recording.compression,
-    ) as writer:
+    with (
+        SessionWriter(
+            output,
+            configuration=effective_toml(rig),
+            metadata=provenance(rig),
+            compression=rig.recording.compression,
+        ) as writer,
+        all_or_nothing(writer),
+    ):
         writer.write(SENSOR_STATE, begun.SerializeToString(), begun.time_ns, begun.time_ns)
         for topic, sample in _samples(source, forecast):
             writer.write(topic, sample.SerializeToString(), sample.time_ns, sample.time_ns)

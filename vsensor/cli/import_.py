@@ -8,8 +8,8 @@ import typer
 from rich.console import Console
 
 from vsensor import __version__
+from vsensor.cli.options import rig_name
 from vsensor.config import effective_toml, load
-from vsensor.errors import VsensorError
 
 if TYPE_CHECKING:
     from vsensor.recording.writer import SessionWriter
@@ -54,7 +54,7 @@ def import_(
         torque=torque_column,
         speed=speed_column,
         date=date_column,
-        form=TimeForm(time_unit, time_format, time_zone),
+        form=TimeForm(time_unit, time_format, time_zone).checked(),
         torque_unit=torque_unit,
         speed_unit=speed_unit,
     )
@@ -62,7 +62,7 @@ def import_(
     if resample:
         pieces = resampled(pieces, resample)
     metadata = {
-        "rig": rig or (known.rig.name if known else ""),
+        "rig": rig_name(rig) if rig else known.rig.name if known else "",
         "vsensor": __version__,
         "imported_from": source.name,
         **({"resampled_to": resample} if resample else {}),
@@ -76,14 +76,13 @@ def _session(
     output: Path, configuration: str, metadata: dict[str, str], pieces: "Iterator[SurfaceTable]"
 ) -> int:
     """Write all of it, or no session; returns how many rows."""
-    from vsensor.recording.writer import SessionWriter
+    from vsensor.recording.writer import SessionWriter, all_or_nothing
 
-    with SessionWriter(output, configuration=configuration, metadata=metadata, compression="zstd") as writer:
-        try:
-            return _write(writer, pieces)
-        except VsensorError:
-            writer.part.unlink(missing_ok=True)  # half a table is no session
-            raise
+    with (
+        SessionWriter(output, configuration=configuration, metadata=metadata, compression="zstd") as writer,
+        all_or_nothing(writer),
+    ):
+        return _write(writer, pieces)
 
 
 def _write(writer: "SessionWriter", pieces: "Iterator[SurfaceTable]") -> int:

@@ -16,13 +16,13 @@ def connected(bus: Bus, endpoint: str) -> Bus:
     return _checked(Bus, {**dict(bus), "connect": [endpoint]}, "--connect") if endpoint else bus
 
 
-def rig_name(name: str) -> str:
-    """A name given by `--rig`; ConfigError for what cannot be one."""
-    return _checked(Rig.Name, {"name": name}, "--rig").name
+def rig_name(name: str, source: str = "--rig") -> str:
+    """A rig's name as `source` tells it; ConfigError for what cannot be one."""
+    return _checked(Rig.Name, {"name": name}, source).name
 
 
-def _checked(model: type[Model], data: dict[str, Any], option: str) -> Model:
+def _checked(model: type[Model], data: dict[str, Any], source: str) -> Model:
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        raise ConfigError(every_fault(error, data, model, option)) from error
+        raise ConfigError(every_fault(error, data, model, source)) from error

@@ -144,9 +144,10 @@ def _bus(sessions: "list[Session]", rig: str, connect: str) -> tuple[Bus, str]:
     recorded = (
         loads(session.configuration, f"{session.path}: configuration") if session.configuration else None
     )
-    name = rig_name(rig) if rig else session.metadata.get("rig") or (recorded.rig.name if recorded else "")
+    name = rig or session.metadata.get("rig") or (recorded.rig.name if recorded else "")
     if not name:
         raise ConfigError(f"{session.path}: does not say which rig it is of: name one with --rig")
+    name = rig_name(name, "--rig" if rig else f"{session.path}: the recorded rig")
     for other in sessions[1:]:
         if not rig and other.metadata.get("rig") != name:
             raise ConfigError(f"{other.path}: is not of the rig {name}: name one for all with --rig")

@@ -7,6 +7,7 @@ import typer
 from rich.console import Console
 
 from vsensor.config import load
+from vsensor.errors import ConfigError
 from vsensor.simulate.scenario import PLANS, Scenario
 
 LONGEST_S = 1e9
@@ -31,6 +32,8 @@ def simulate(
     from vsensor.simulate.broadcast import broadcast
     from vsensor.simulate.rig import SimulatedRig
 
+    if truth is not None and truth.suffix != ".csv":
+        raise ConfigError(f"--truth {truth}: must end in .csv")
     console = Console()
     rig = load(config)
     with until_signalled() as stopped, open_session(rig.bus, "client") as session:

@@ -62,7 +62,7 @@ def view(
         raise VsensorError(f"needs {error.name}, an extra: pip install 'vsensor[view]'") from error
 
     say: Say = partial(Console().print, markup=False, highlight=False, soft_wrap=True)
-    recorded = _recorded(session, rig, connect)
+    recorded = _recorded(session, rig, connect, save)
     known = load(config) if config else _configuration(recorded, say)
     how = known.view if known else View()
     units = Units(speed_unit or how.speed_unit, torque_unit or how.torque_unit)
@@ -149,9 +149,11 @@ def _messages(session: "Session", known: Rig | None) -> "Iterator[Message]":
         yield record.message
 
 
-def _recorded(path: Path | None, rig: str, connect: str) -> "Session | None":
+def _recorded(path: Path | None, rig: str, connect: str, save: Path | None) -> "Session | None":
     from vsensor.recording.reader import Session
 
+    if save and save.suffix != ".rrd":
+        raise ConfigError(f"--save {save}: must end in .rrd")
     if path and (rig or connect):
         raise ConfigError(f"--session {path}: is a file; --rig and --connect are for a running sensor")
     return Session(path) if path else None

@@ -96,8 +96,11 @@ def load(path: Path) -> Rig:
     """Read a configuration file; ConfigError tells every fault of it at once, each with its path."""
     try:
         text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{path}: cannot be read as a text file: {error}") from error
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        line = error.object.count(b"\n", 0, error.start) + 1
+        raise ConfigError(f"{path}, line {line}: is not UTF-8: save it as UTF-8 text") from error
     return loads(text, str(path))
 
 

@@ -109,7 +109,7 @@ def main(descriptor: int, host: str, port: int) -> int:
     try:
         server = make_server(host, port, App(newest), kind, _Handler)
     except OSError as error:
-        feed.send(f"cannot listen: {error.strerror}".encode())
+        feed.send(f"cannot listen: {error.strerror}: choose another [metrics] port or host".encode())
         return 1
     threading.Thread(target=server.serve_forever, daemon=True).start()
     feed.send(READY)

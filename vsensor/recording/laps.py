@@ -143,5 +143,7 @@ class Laps:
 
     def _nothing(self) -> str:
         sessions = ", ".join(str(leg.session.path) for leg in self._course.legs)
-        between = f"between {self._start_ns / NS:g} s and {self._end_ns / NS:g} s of its time"
-        return f"{sessions}: holds none of {', '.join(self._course.topics)} {between}"
+        length_ns = self._course.length_ns
+        end = f"its end at {length_ns / NS:g} s" if self._end_ns > length_ns else f"{self._end_ns / NS:g} s"
+        topics = ", ".join(self._course.topics)
+        return f"{sessions}: holds none of {topics} between {self._start_ns / NS:g} s and {end}"

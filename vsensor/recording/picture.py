@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from vsensor.errors import InputError
 from vsensor.recording.compare import Change
 
 # Okabe and Ito's palette: told apart by every kind of colour vision.
@@ -25,7 +26,10 @@ _RULES: Any = {
 
 
 def draw(path: Path, title: str, changes: list[Change]) -> None:
-    """Write a PNG: of speed and torque the confirmed answers of both runs, and the changes of all."""
+    """Write a PNG: of speed and torque the confirmed answers of both runs, and the changes of all.
+
+    Raises InputError where it cannot be written.
+    """
     with matplotlib.rc_context(_RULES):
         figure = Figure(figsize=(13, 7.5), dpi=110, layout="constrained")
         FigureCanvasAgg(figure)
@@ -37,7 +41,10 @@ def draw(path: Path, title: str, changes: list[Change]) -> None:
             _changes(grid[1][column], of_name[:1])
             _changes(grid[2][column], of_name[1:])
             grid[2][column].set_xlabel("s from the first tick")
-        figure.savefig(path)
+        try:
+            figure.savefig(path)
+        except OSError as error:
+            raise InputError(f"{path}: cannot be written: {error.strerror}") from error
 
 
 def _both(axes: Axes, change: Change) -> None:

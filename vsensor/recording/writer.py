@@ -4,7 +4,8 @@ import contextlib
 import fcntl
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from io import BufferedWriter
 from pathlib import Path
 from types import TracebackType
@@ -34,6 +35,16 @@ CHUNK_BYTES = 256 * 1024
 
 _COMPRESSION = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "none": CompressionType.NONE}
 _MAX_TIME_NS = (1 << 64) - 1
+
+
+@contextmanager
+def all_or_nothing(writer: "SessionWriter") -> Iterator[None]:
+    """Within, what fails or is stopped takes the file with it: of a table half of it is no session."""
+    try:
+        yield
+    except BaseException:
+        writer.part.unlink(missing_ok=True)
+        raise
 
 
 def part_of(path: Path) -> Path:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cached_property
+from typing import Self
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import numpy as np
@@ -41,6 +42,13 @@ class TimeForm:
     unit: str = "s"
     pattern: str = ""
     zone: str = "UTC"
+
+    def checked(self) -> Self:
+        """The same; ConfigError for a unit or a zone that is none, whether or not a table asks for it."""
+        _ = self._nanoseconds
+        if self.zone != "UTC":  # times in numbers need no list of zones, which a machine may lack
+            _ = self._hangs
+        return self
 
     def read(self, values: pa.Array, dates: pa.Array | None = None) -> Times:
         """A column of times, or of times of day with its dates, in nanoseconds; shape (n,).
