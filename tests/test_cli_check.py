@@ -73,6 +73,10 @@ def test_a_sound_rig_has_nothing_odd() -> None:
             with_part(1, outer_diameter="12 in"),
             'string[2] "[b]collar": 71 times the impedance of "pipe" above',
         ),
+        (
+            Rig.model_validate(SOUND | {"string": [SOUND["string"][1] | {"outer_diameter": 6.5}]}),
+            'string[1] "[b]collar": 6.5 m across: is the unit right',
+        ),
         (with_part(0, tensile_strength="3 MN"), 'string[1] "pipe": tensile_strength alone limits nothing'),
         (
             with_part(0, tensile_strength="500 kN", torsional_strength="50 kN*m"),

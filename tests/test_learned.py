@@ -133,6 +133,7 @@ def test_a_file_is_there_as_a_whole_or_as_it_was(tmp_path: Path, monkeypatch: py
 def test_a_disk_that_refuses_is_told_and_holds_nobody(engine: Engine, tmp_path: Path) -> None:
     (tmp_path / "state").write_text("a file where the folder should be")
     keeper = Keeper(tmp_path / "state" / "x.learned", SHORT, engine)
+    assert "refused: [Errno 20] Not a directory" in keeper.begun  # and nothing could be put aside
     keeper.save()
     keeper.close()
     assert "x.learned: cannot be written" in keeper.trouble

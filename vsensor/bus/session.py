@@ -28,7 +28,7 @@ def open_session(bus: Bus, role: Role) -> zenoh.Session:
 
 def _hint(config: zenoh.Config, role: Role) -> str:
     if role == "daemon":
-        return "is the port taken?"
+        return "is the port taken? Is this an address of this machine?"
     proof = " Does it take our certificate, our user and password?" if is_locked(config) else ""
     return f"is the daemon (vsensor run) up? Is this its address?{proof}"
 

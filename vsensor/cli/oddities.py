@@ -18,6 +18,8 @@ LIKELY_LENGTHS = (10.0, 15_000.0)
 """From a test stand to the longest wells drilled, m."""
 RUBBING_LENGTH = 1000.0
 """A string longer than this touches the wall somewhere, m."""
+WIDEST = 1.0
+"""No string is a metre wide: 127 was meant in mm, 5 in inches."""
 IMPEDANCE_STEP = 10.0
 UNSURVEYED = 100.0
 """The survey tool sits within some tens of metres of the bit, and each stand is surveyed, m."""
@@ -56,6 +58,11 @@ def _lengths(rig: Rig) -> Iterator[str]:
 def _sections(rig: Rig) -> Iterator[str]:
     slowest, fastest = STEEL_WAVE_SPEEDS
     for number, part in enumerate(rig.string, 1):
+        if part.outer_diameter >= WIDEST:
+            yield (
+                f'string[{number}] "{part.name}": {part.outer_diameter:g} m across: '
+                'is the unit right, as in "127 mm"?'
+            )
         speed = component.wave_speed(part)
         if not slowest <= speed <= fastest:
             yield (

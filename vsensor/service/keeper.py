@@ -3,7 +3,6 @@
 Written by a thread of its own, since a disk may take seconds; the loop never waits for it.
 """
 
-import contextlib
 import os
 import queue
 import threading
@@ -43,12 +42,18 @@ def take_up(path: Path, rig: Rig, engine: Engine) -> str:
     except FileNotFoundError:
         return ""
     except (OSError, ValueError, DecodeError) as error:
-        aside = path.with_suffix(".refused")
-        with contextlib.suppress(OSError):
-            path.replace(aside)
-        return f"what was learned before is refused and put aside as {aside}: {error}"
+        return f"what was learned before is refused{_put_aside(path)}: {error}"
     when = time.strftime("%Y-%m-%d %H:%M:%S UTC", time.gmtime(before.saved_ns / 1e9))
     return f"goes on with what was learned until {when}, a string of {before.string_length_m:.1f} m"
+
+
+def _put_aside(path: Path) -> str:
+    aside = path.with_suffix(".refused")
+    try:
+        path.replace(aside)
+    except OSError:
+        return ""
+    return f" and put aside as {aside}"
 
 
 class Keeper:
