@@ -185,10 +185,32 @@ def test_replay_asks_for_the_rig_where_nothing_says_it(tmp_path: Path) -> None:
     assert "name one with --rig" in done.output
 
 
-def test_names_are_shown_as_they_are(session: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("color", ["", "1"], ids=["a pipe", "a terminal"])
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("info", "NAME.mcap"),
+        ("check", "NAME.toml"),
+        ("recover", "NAME.mcap"),
+        ("estimate", "NAME.mcap", "NAME.toml", "-o", "NAME.csv"),
+        ("export", "NAME.mcap", "--surface", "-o", "NAME.csv"),
+        ("import", "a.csv", "-o", "NAME2.mcap"),
+        ("verify", "NAME.mcap", "--config", "NAME.toml"),
+    ],
+)
+def test_names_are_shown_as_they_are(
+    session: Path, monkeypatch: pytest.MonkeyPatch, words: Sequence[str], color: str
+) -> None:
+    """Whatever stands in brackets, which would be a style to who prints it."""
     monkeypatch.chdir(session.parent)
-    session.rename("[bold]a.mcap")
-    assert "[bold]a.mcap" in vsensor("info", "[bold]a.mcap").output
+    monkeypatch.setenv("FORCE_COLOR", color)
+    monkeypatch.setenv("NO_COLOR", "1")
+    Path("[").mkdir()
+    session.rename("[/bold][red]a.mcap")
+    Path("[/bold][red]a.toml").write_text(CONFIG)
+    done = vsensor(*(word.replace("NAME", "[/bold][red]a") for word in words))
+    assert isinstance(done.exception, SystemExit | None)
+    assert "[/bold][red]a" in done.output
 
 
 @pytest.mark.parametrize("ending", ["mcap.part", "MCAP", "mcap.torn"])

@@ -127,7 +127,10 @@ def test_other_names_and_units(tmp_path: Path) -> None:
         (HEADER + "0,1,2\n5,1,2\n\n4.5,1,2\n", "line 5: time_s is 4.5 s after 5 s"),
         (HEADER + "1700000000000,1,2\n", "line 2: time_s is 1.7e\\+12 s, .* another unit"),
         (b"\x00\x01\x02\x03" * 10, "has no column 'time_s'"),
-        (HEADER.encode() + b"0,1\xff,2\n", "is no CSV table"),
+        (HEADER.encode() + b"0,1\xff,2\n", "is not UTF-8: save it as UTF-8"),
+        ((HEADER + "0,1,2\n").encode("utf-16"), "is not UTF-8: save it as UTF-8"),
+        ("Zéit,M,n\n0,1,2\n".encode("latin-1"), "is not UTF-8: save it as UTF-8"),
+        (HEADER.replace(",", ";") + "0;1,5;2\n", "line 2: motor_torque_nm is '1,5': .* a point, such as 1.5"),
         ("x" * 200_000, "is no CSV table: field larger"),
     ],
 )

@@ -47,10 +47,10 @@ def estimate(
     write = _to_session if output.suffix == ".mcap" else _to_table
     if write is _to_table:
         check_writable(output)  # before the work, not after
-    console = Console()
-    with console.status(f"estimating {source}"):
+    console = Console(highlight=False, markup=False, soft_wrap=True)
+    with console.status(escape(f"estimating {source}")):
         ticks = write(rig, source, output, forecast, console)
-    console.print(f"{ticks} ticks estimated into {output}", soft_wrap=True, highlight=False)
+    console.print(f"{ticks} ticks estimated into {output}")
 
 
 def _rig(source: Path, config: Path | None) -> Rig:
@@ -127,11 +127,7 @@ def _take_up(source: Path, engine: "Engine | Offline", console: Console) -> None
     try:
         engine.take_up(state)
     except ValueError as error:
-        console.print(
-            escape(f"{source}: what the sensor remembered at the start is left aside: {error}"),
-            soft_wrap=True,
-            highlight=False,
-        )
+        console.print(f"{source}: what the sensor remembered at the start is left aside: {error}")
 
 
 def _to_table(rig: Rig, source: Path, output: Path, forecast: bool, console: Console) -> int:

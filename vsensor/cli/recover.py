@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 
 
 def recover(
@@ -16,7 +17,7 @@ def recover(
     """Write a whole session from what survived of a torn one, which is kept."""
     from vsensor.recording.recover import recover as mend
 
-    with Console(stderr=True).status(f"reading {torn.name}"):
+    with Console(stderr=True).status(escape(f"reading {torn.name}")):
         recovered = mend(torn, output)
     typer.echo(
         f"{recovered.messages} messages recovered into {recovered.path}; "

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 
 from vsensor.errors import ConfigError
 
@@ -25,6 +26,6 @@ def report(
         raise ConfigError("a report needs Plotly: pip install 'vsensor[report]'") from error
     from vsensor.recording.reader import Session
 
-    with Console(stderr=True).status(f"reading {session.name}"):
+    with Console(stderr=True).status(escape(f"reading {session.name}")):
         write(output, tell(Session(session)))
     typer.echo(f"{session} told in {output}")

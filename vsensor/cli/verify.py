@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from vsensor.cli.overrides import changed, overridden
@@ -38,7 +39,7 @@ def verify(
         raise ConfigError(f"{picture}: a picture's name must end in .png")
     if picture is not None and not picture.parent.is_dir():
         raise ConfigError(f"{picture}: there is no folder {picture.parent}")
-    console = wide_console(soft_wrap=True, highlight=False)
+    console = wide_console(soft_wrap=True, highlight=False, markup=False)
     verdicts = [_verify(console, session, config, settings or [], picture) for session in sessions]
     as_recorded = config is None and not settings
     sound = all(verdict.exact or verdict.idle for verdict in verdicts) and any(v.exact for v in verdicts)
@@ -64,16 +65,16 @@ def _verify(
             f"{path}: its ticks were made at {recorded.loop.rate:g} Hz and can be run at no other rate: "
             "vsensor estimate makes new ones of its samples"
         )
-    with console.status(f"verifying {path}"):
+    with console.status(escape(f"verifying {path}")):
         ticks = sum(topic.messages for topic in session.summary().topics if topic.topic == "sensor/tick")
         comparison = Comparison(ticks)
         verdict = compare(session, Otherwise(rig, recorded), strict=not differs, see=comparison.see)
         comparison.finish()
     if not session.complete:
         console.print(f"{path} is torn: what survives of it is verified")
-    console.print(f"{path}: {_words(verdict, as_recorded=not differs)}", markup=False)
+    console.print(f"{path}: {_words(verdict, as_recorded=not differs)}")
     if differs:
-        console.print("under", "\n      ".join(differs), markup=False)
+        console.print("under", "\n      ".join(differs))
     if verdict.mismatches:
         console.print(_table(comparison))
         console.print(f"the quality of {comparison.qualities} ticks is another")

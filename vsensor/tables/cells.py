@@ -1,10 +1,14 @@
 """What stands in a table's cells, as numbers; and which cell it is that holds none."""
 
+import re
+
 import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 import pyarrow.compute as pc
 
+_WITH_COMMA = re.compile(r"[+-]?\d+,\d+")
+"""As half of Europe writes a number."""
 Floats = npt.NDArray[np.float64]
 
 
@@ -30,7 +34,10 @@ def measured(values: pa.Array) -> Floats:
         told = as_floats(values)
         if told is None:
             row, text = next((i, v) for i, v in enumerate(values.to_pylist()) if not _is_number(v))
-            raise BadCellError(row, f"is {text!r}: a finite number was expected")
+            asked = "a finite number"
+            if _WITH_COMMA.fullmatch(text):
+                asked += f" with a point, such as {text.replace(',', '.')},"
+            raise BadCellError(row, f"is {text!r}: {asked} was expected")
         found = told
     elif is_number(values.type) or pa.types.is_null(values.type):
         found = values.cast(pa.float64(), safe=False).to_numpy(zero_copy_only=False)

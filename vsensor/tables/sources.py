@@ -51,7 +51,10 @@ class Csv:
     def batches(self, names: Sequence[str]) -> Iterator[pa.RecordBatch]:
         """Yield these columns, a batch of rows at a time."""
         delimiter, header = self._header()
-        _check_columns(self.path, names, [name.strip() for name in header])
+        present = [name.strip() for name in header]
+        if not set(names) <= set(present) and any("\ufffd" in name for name in present):
+            raise _other_letters(self.path)
+        _check_columns(self.path, names, present)
         written = {name.strip(): name for name in header}
         columns = [written[name] for name in names]
         ragged: list[Any] = []
@@ -79,6 +82,8 @@ class Csv:
             )
             yield from (batch.rename_columns(list(names)) for batch in batches)
         except _DAMAGED as error:
+            if "UTF8" in str(error):
+                raise _other_letters(self.path) from error
             if not ragged or ragged[-1].number is None:
                 raise InputError(f"{self.path}: is no CSV table: {error}") from error
             bad = ragged[-1]
@@ -164,6 +169,10 @@ def source_of(path: Path) -> Source:
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from error
     return SOURCES[kind](path)
+
+
+def _other_letters(path: Path) -> InputError:
+    return InputError(f"{path}: is not UTF-8: save it as UTF-8 (in Excel: CSV UTF-8)")
 
 
 def _check_columns(path: Path, names: Sequence[str], present: list[str]) -> None:
