@@ -95,8 +95,8 @@ def profiles(of: Rig, ticks: Iterable[tuple[float, float]]) -> list[tuple[Estima
             number=number, time_ns=time_ns, motor_torque_nm=torque, motor_speed_rad_s=speed, reasons=reasons
         )
         estimate = engine.step(tick)
-        profiler.note(estimate)
-        told += [(estimate, profile_of(noted)) for noted in profiler.waiting()]
+        if noted := profiler.note(estimate):
+            told.append((estimate, profile_of(noted)))
     return told
 
 

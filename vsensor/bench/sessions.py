@@ -51,13 +51,13 @@ def recorded(rig: Rig, seconds: float) -> list[Told]:
             for tick, estimate in engine.take(topic, sample):
                 speed = Sample(time_ns=time_ns, value=estimate.now_bit_speed_rad_s, sequence=number)
                 torque = Sample(time_ns=time_ns, value=estimate.now_bit_torque_nm, sequence=number)
-                profiler.note(estimate)
+                noted = profiler.note(estimate)
                 of_tick = (
                     (SENSOR_TICK, tick),
                     (BIT_ESTIMATE, estimate),
                     (BIT_SPEED, speed),
                     (BIT_TORQUE, torque),
-                    *((STRING_PROFILE, profile_of(noted)) for noted in profiler.waiting()),
+                    *(((STRING_PROFILE, profile_of(noted)),) if noted else ()),
                 )
                 told += (Told(to, message.SerializeToString(), time_ns) for to, message in of_tick)
     return [each for each in told if each.time_ns >= PASSED_S * 1e9]

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import chain, islice
+from itertools import chain
 from typing import NamedTuple
 
 import zenoh
@@ -23,6 +23,7 @@ from vsensor.messages import (
     Tick,
 )
 from vsensor.messages.states import INPUT_LOST, RUNNING, STANDING_BY, STARTING, WAITING, WARMING_UP
+from vsensor.service.chores import Chores
 from vsensor.service.describe import Describer
 from vsensor.service.engine import Engine
 from vsensor.service.health import Health
@@ -48,8 +49,8 @@ STEP_BACK_SHARE = 0.1
 priority it would keep a processor from those who pass them on."""
 LEAST_STEP_S = 2e-4
 """Where that is shorter than this, not at all."""
-PARTS_HZ = 100.0
-"""Of what is due each second so many parts a second, at the least: it has a dozen."""
+ASIDE_HZ = 100.0
+"""So often a second, at the most, is heard what is asked, and the recorder given what is for it."""
 SEAT_PATIENCE_S = 1.5
 """Links to other routers are made by then, and it is known whether another sensor speaks."""
 
@@ -106,7 +107,8 @@ class Daemon:
         self._per_second = round(rig.loop.rate)
         step_back_s = min(STEP_BACK_S, STEP_BACK_SHARE / rig.loop.rate)
         self._step_back_s = step_back_s if step_back_s >= LEAST_STEP_S else 0.0
-        self._parts_a_turn = max(1, round(PARTS_HZ / rig.loop.rate))
+        self._chores = Chores(rig.loop.rate)
+        self._turns_apart = max(1, round(rig.loop.rate / ASIDE_HZ))
         self._ration = Ration(rig.loop.rate)
         self.fault = ""
         """What made the last unreadable sample unreadable."""
@@ -127,7 +129,6 @@ class Daemon:
         if self._keeper is not None and self._keeper.begun:
             self.voice.tell(self._watch.note("learned", True, self._keeper.begun))
         second = 0
-        chores: Iterator[None] = iter(())
         for slot in pace.slots():
             begun = time.monotonic_ns()
             self.health.grid_ns = pace.start_ns
@@ -136,19 +137,18 @@ class Daemon:
             self._turn(slot)
             if slot.number // self._per_second > second:
                 second = slot.number // self._per_second
-                _finish(chores)
-                chores = self._each_second(ears)
-            for _ in islice(chores, self._parts_a_turn):
-                pass
-            self.voice.hand_on()
+                self._chores.finish()
+                self._chores.add(self._each_second(ears))
+            self._chores.turn(time.monotonic_ns() - begun + slot.lateness_ns)
+            if self.health.slots_run % self._turns_apart == 0:
+                self._look_aside()
             self.health.end(time.monotonic_ns() - begun)
             if stopped():
                 break
         # What had come when the word to stop did is still run, however long a turn that makes.
         self._take_in(slot, lambda: True, hold=False)
-        self._tell_along(self._profiler.waiting())
-        _finish(chores)
-        _finish(self._each_second(()))
+        self._chores.add(self._each_second(()))
+        self._chores.finish()
         self.voice.hand_on()
         if self._keeper is not None and self._seat.taken:
             self._keeper.save()
@@ -171,12 +171,12 @@ class Daemon:
     def _turn(self, slot: Slot) -> None:
         self._count_owed(slot)
         self._ration.begin()
-        # Of ticks before this turn: an estimate and a profile in one take longer than a slot at 2 kHz.
-        profiles = self._profiler.waiting()
         self._take_in(slot, self._ration.lasts)
-        self._tell_along(profiles)
         self.health.listen()
+
+    def _look_aside(self) -> None:
         self._seat.answer(self.health.status.SerializeToString, self._obey)
+        self.voice.hand_on()
 
     def _take_in(self, slot: Slot, more: Callable[[], bool], *, hold: bool = True) -> None:
         prepared, self._made = self._made, []
@@ -193,8 +193,8 @@ class Daemon:
                 self.fault = f"{received.topic}: a sample {received.fault}"
             self.voice.record_received(received)
             for tick, estimate in self._engine.take(received.topic, received.sample):
-                if self.health.shedding.level < NO_PROFILE:
-                    self._profiler.note(estimate)
+                if self.health.shedding.level < NO_PROFILE and (noted := self._profiler.note(estimate)):
+                    self._chores.add(self._tell_along(noted))
                 yield Made(tick, estimate)
 
     def _obey(self, words: str) -> str:
@@ -226,11 +226,12 @@ class Daemon:
             self.voice.tell(event)
         self.health.published += 1
 
-    def _tell_along(self, noted: Iterable[Noted]) -> None:
-        for profile in map(profile_of, noted):
-            self.voice.publish(STRING_PROFILE, profile, profile.time_ns)
-            if (over := self._watch.profile(profile)) is not None:
-                self.voice.tell(over)
+    def _tell_along(self, noted: Noted) -> Iterator[None]:
+        profile = profile_of(noted)
+        yield
+        self.voice.publish(STRING_PROFILE, profile, profile.time_ns)
+        if (over := self._watch.profile(profile)) is not None:
+            self.voice.tell(over)
 
     def _each_second(self, ears: Iterable[Ear]) -> Iterator[None]:
         """What is due once a second, in parts: at 2 kHz a turn has time for one of them."""

@@ -62,21 +62,15 @@ class Profiler:
         self._estimator = estimator
         self._every = max(1, round(rig.loop.rate / RATE_HZ))
         self._layout = lay_out(estimator.string, estimator.stations, self._mud)
-        self._noted: list[Noted] = []
 
-    def note(self, estimate: Estimate) -> None:
-        """Note what is known along the string where a profile is due, before another tick is run."""
+    def note(self, estimate: Estimate) -> Noted | None:
+        """What is known along the string where a profile is due; to be asked before another tick is run."""
         if estimate.number % self._every or not estimate.HasField("confirmed_bit_speed_std_rad_s"):
-            return
+            return None
         of = self._estimator
         if of.stations is not self._layout.at:  # the string was made longer
             self._layout = lay_out(of.string, of.stations, self._mud)
-        self._noted.append(Noted(estimate, self._layout, of.profile().copy(), of.noise, of.profile_noise))
-
-    def waiting(self) -> list[Noted]:
-        """What was noted since the last call."""
-        waiting, self._noted = self._noted, []
-        return waiting
+        return Noted(estimate, self._layout, of.profile().copy(), of.noise, of.profile_noise)
 
 
 def lay_out(string: tuple[Component, ...], at: Stations, mud: float) -> Layout:

@@ -11,7 +11,9 @@ from vsensor.grid import NS
 SHARE = 0.5
 """Of a slot."""
 GROWTH = 1.1
-"""With each turn in a row that leaves samples waiting: at 1 kHz, from half a slot to the longest in 50."""
+GROWTH_HZ = 1000.0
+"""With each turn in a row that leaves samples waiting, and no faster than as many times a second: from half a
+slot of 1 ms to the longest in 50 turns."""
 LONGEST_S = 0.05
 """Status, commands and signals do not wait longer."""
 
@@ -22,13 +24,14 @@ class Ration:
     def __init__(self, rate_hz: float) -> None:
         self._least_ns = round(SHARE * NS / rate_hz)
         self._most_ns = max(self._least_ns, round(LONGEST_S * NS))
+        self._growth = GROWTH ** min(1.0, GROWTH_HZ / rate_hz)
         self._ns = self._least_ns
         self._until_ns = 0
         self._spent = False
 
     def begin(self) -> None:
         """A turn begins: it has more time than the one before if that one had too little."""
-        self._ns = min(round(GROWTH * self._ns), self._most_ns) if self._spent else self._least_ns
+        self._ns = min(round(self._growth * self._ns), self._most_ns) if self._spent else self._least_ns
         self._spent = False
         self._until_ns = time.monotonic_ns() + self._ns
 
