@@ -32,7 +32,7 @@ def feed(values: Iterable[tuple[float, float]]) -> list[tuple[str, Sample]]:
     ]
 
 
-def reasons(values: Iterable[tuple[float, float]], **measurement: float) -> list[Reason]:
+def reasons(values: Iterable[tuple[float, float]], **measurement: float) -> list[int]:
     configured = rig(PIPE, measurement=measurement) if measurement else SMALL
     return [tick.reasons for tick in ticks(feed(values), Intake(configured))]
 

@@ -174,9 +174,10 @@ class Depths:
     @property
     def _lifted(self) -> bool:
         """Whether the bit hangs above the hole's bottom, as it was told last."""
-        known = self._known
-        bit, hole = known.get(SURFACE_BIT_DEPTH), known.get(SURFACE_HOLE_DEPTH)
-        return bit is not None and hole is not None and hole.told.value - bit.told.value > self._clearance
+        bit, hole = self._beliefs.get(SURFACE_BIT_DEPTH), self._beliefs.get(SURFACE_HOLE_DEPTH)
+        if bit is None or hole is None or bit.known is None or hole.known is None:
+            return False
+        return hole.known.told.value - bit.known.told.value > self._clearance
 
     def _counts(self) -> tuple[int, int]:
         """From when to when what is known counts; of both channels, where both have spoken."""

@@ -11,6 +11,10 @@ from vsensor.saved import Saved
 
 FARTHEST_NS = 1 << 62
 """A time beyond 146 years from 1970 is none: near the end of its 64 bits, a forecast's would not fit."""
+_BAD, _UNCERTAIN, _SOURCE_UNCERTAIN = int(Quality.BAD), int(Quality.UNCERTAIN), int(Reason.SOURCE_UNCERTAIN)
+_GAP_BRIDGED = int(Reason.GAP_BRIDGED)
+"""As plain numbers: sets of flags would take more time here than all else that is done to a sample."""
+
 LONGEST_HOLE = 1_000_000
 """A greater leap in the sequence is another publisher's count, and no loss."""
 REMEMBERED = 1000
@@ -27,7 +31,8 @@ class Point(NamedTuple):
 
     time_ns: int
     value: float
-    reasons: Reason
+    reasons: int
+    """Flags of `Reason`."""
 
 
 class Channel:
@@ -48,7 +53,7 @@ class Channel:
             bad_at_source=0,
             over_rate=0,
         )
-        self.stale = stale
+        self._stale = int(stale)
         self.limit = limit
         self.next_sequence: int | None = None
         self.pace_ns: int | None = None
@@ -75,7 +80,7 @@ class Channel:
             self.counts.not_finite += 1
         elif abs(sample.value) > self.limit:
             self.counts.out_of_range += 1
-        elif int(sample.quality) == Quality.BAD:
+        elif sample.quality == _BAD:
             self.counts.bad_at_source += 1
         else:
             return True
@@ -122,7 +127,7 @@ class Channel:
         One that comes more than a gap before it is due waits for the next, which bears it out by being later
         still, and not by lying before it: else a single stray would stand for all up to its time.
         """
-        reasons = Reason.SOURCE_UNCERTAIN if int(sample.quality) == Quality.UNCERTAIN else Reason(0)
+        reasons = _SOURCE_UNCERTAIN if sample.quality == _UNCERTAIN else 0
         point = Point(sample.time_ns, sample.value, reasons)
         newest = self.newest_ns
         if self.waiting is not None and newest is not None and point.time_ns > newest:
@@ -168,7 +173,7 @@ class Channel:
     def save(self) -> dict[str, Any]:
         """What the channel remembers, but for its counts, as plain values."""
         return {
-            "points": [[point.time_ns, point.value, int(point.reasons)] for point in self.points],
+            "points": [list(point) for point in self.points],
             "pace_ns": self.pace_ns,
             "waiting": None if self.waiting is None else list(self.waiting),
             "next_sequence": self.next_sequence,
@@ -196,7 +201,7 @@ class Channel:
         return Point(
             a_time(time_ns),
             value.number(-self.limit, self.limit),
-            Reason(flags.whole(0, int(~Reason(0)))),
+            flags.whole(0, int(~Reason(0))),
         )
 
     def let_go(self, time_ns: int) -> None:
@@ -204,7 +209,7 @@ class Channel:
         while len(self.points) > 1 and self.points[1].time_ns <= time_ns:
             del self.points[0]
 
-    def at(self, time_ns: int, max_gap_ns: int) -> tuple[float, Reason] | None:
+    def at(self, time_ns: int, max_gap_ns: int) -> tuple[float, int] | None:
         """The value at a time by a straight line between its neighbours; None where not reached yet."""
         self.let_go(time_ns)
         before = self.points[0]
@@ -216,7 +221,7 @@ class Channel:
         reasons = before.reasons | after.reasons
         gap = after.time_ns - before.time_ns
         if gap > max_gap_ns:
-            reasons |= Reason.GAP_BRIDGED
+            reasons |= _GAP_BRIDGED
         share = (time_ns - before.time_ns) / gap
         return before.value + share * (after.value - before.value), reasons
 
@@ -229,6 +234,6 @@ class Channel:
         following = next((point for point in self.points if point.time_ns >= time_ns), None)
         return following is not None and self.points[-1].time_ns > following.time_ns + max_gap_ns
 
-    def held(self) -> tuple[float, Reason]:
+    def held(self) -> tuple[float, int]:
         """The last value, for a channel that has fallen silent."""
-        return self.points[0].value, self.points[0].reasons | self.stale
+        return self.points[0].value, self.points[0].reasons | self._stale

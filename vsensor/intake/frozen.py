@@ -38,7 +38,6 @@ class Run(NamedTuple):
         return Run(value, self.ticks + 1, min(self.low, other), max(self.high, other))
 
 
-FINE = Reason(0)
 NO_RUN = Run(math.nan, 0, math.inf, -math.inf)
 
 
@@ -46,19 +45,19 @@ class _Reading:
     """One channel of the two."""
 
     def __init__(self, reason: Reason, silent: Reason, least: int, moved: float) -> None:
-        self._reason = reason
-        self._silent = silent
+        self._reason = int(reason)
+        self._silent = int(silent)
         self._least = least
         self._moved = moved
         self.run = NO_RUN
 
-    def take(self, value: float, other: float, reasons: Reason) -> Reason:
-        if reasons and reasons & self._silent:  # what stands there is no reading, but the last one held
+    def take(self, value: float, other: float, reasons: int) -> int:
+        if reasons & self._silent:  # what stands there is no reading, but the last one held
             self.run = NO_RUN
-            return FINE
+            return 0
         self.run = run = self.run.on(value, other)
         frozen = run.ticks > self._least and run.high - run.low > self._moved
-        return self._reason if frozen else FINE
+        return self._reason if frozen else 0
 
     def flags(self, values: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.uint32]:
         flags = np.zeros(len(values), np.uint32)
@@ -100,11 +99,9 @@ class Frozen:
         """Begin anew."""
         self._torque.run = self._speed.run = NO_RUN
 
-    def take(self, torque: float, speed: float, reasons: Reason) -> Reason:
-        """The next tick's values, and what is wrong with them; returns what is wrong besides."""
-        torque_frozen = self._torque.take(torque, speed, reasons)
-        speed_frozen = self._speed.take(speed, torque, reasons)
-        return torque_frozen | speed_frozen if torque_frozen or speed_frozen else FINE
+    def take(self, torque: float, speed: float, reasons: int) -> int:
+        """The next tick's values, and flags of what is wrong with them; returns those of what is besides."""
+        return self._torque.take(torque, speed, reasons) | self._speed.take(speed, torque, reasons)
 
     def flags(self, torque: NDArray[np.float64], speed: NDArray[np.float64]) -> NDArray[np.uint32]:
         """The same of n ticks with which nothing is wrong, shape (n,)."""

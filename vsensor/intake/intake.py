@@ -27,6 +27,7 @@ FORECAST_SHED = "forecast_shed"
 """The name of an event: the loop was short of time from here on, or no longer, and foretold nothing."""
 OBEYED = (COMMAND, FORECAST_SHED)
 """Names of recorded events that change what comes of the samples behind them."""
+_STRING_CHANGED = int(Reason.STRING_CHANGED)
 
 
 class Input(NamedTuple):
@@ -37,7 +38,8 @@ class Input(NamedTuple):
     time_ns: int
     motor_torque: float
     motor_speed: float
-    reasons: Reason
+    reasons: int
+    """Flags of `Reason`."""
     off_bottom: bool = False
     longer_by: float = 0.0
     """By how much the string has become longer since the tick before, m."""
@@ -194,8 +196,11 @@ class Intake:
         if abs(time_ns) > FARTHEST_NS:
             channel.counts.jumped += 1
             return False
-        times = [t for c in self.channels.values() if (t := c.newest_ns) is not None]
         own = channel.newest_ns
+        if own is not None and abs(time_ns - own) <= self._restart_gap_ns:
+            self._jump_ns.pop(topic, None)
+            return True
+        times = [t for c in self.channels.values() if (t := c.newest_ns) is not None]
         if not times or (own is None and min(times) - self._restart_gap_ns <= time_ns):
             return True
         latest = max(times) + self._restart_gap_ns
@@ -232,10 +237,9 @@ class Intake:
         if torque is None or speed is None:
             return None
         reasons = torque[1] | speed[1]
-        if frozen := self.frozen.take(torque[0], speed[0], reasons):
-            reasons |= frozen
+        reasons |= self.frozen.take(torque[0], speed[0], reasons)
         if longer_by := self.depths.longer_by():
-            reasons |= Reason.STRING_CHANGED
+            reasons |= _STRING_CHANGED
         given = Input(
             self._number,
             time_ns,
@@ -250,7 +254,7 @@ class Intake:
         self._consumed_ns = time_ns
         return given
 
-    def _value(self, channel: Channel, other: Channel, time_ns: int) -> tuple[float, Reason] | None:
+    def _value(self, channel: Channel, other: Channel, time_ns: int) -> tuple[float, int] | None:
         value = channel.at(time_ns, self.max_gap_ns)
         if value is None and other.has_gone_on(time_ns, self.max_gap_ns):
             return channel.held()

@@ -84,7 +84,7 @@ class Track(NamedTuple):
         first = max(0, int(np.searchsorted(self.times, last_ns, side="right")) - 1)
         kept = zip(self.times[first:].tolist(), self.values[first:].tolist(), strict=True)
         self.channel.pace_ns = int(self.times[-1] - self.times[-2])
-        self.channel.points = [Point(time_ns, value, Reason(0)) for time_ns, value in kept]
+        self.channel.points = [Point(time_ns, value, 0) for time_ns, value in kept]
         self.channel.counts.received += self.new
         self.channel.counts.accepted += self.new
         if self.sequence is not None:

@@ -67,9 +67,8 @@ class Recorder:
         self._states = wire.Carrier()
         self._lost = 0
         self._notes: list[Note] = []
-        self._packet = bytearray(wire.PACKET_BYTES)
-        self._view = memoryview(self._packet)
-        self._end = 0
+        self._packet: list[bytes] = []
+        self._bytes = 0
         self._count = 0
         self._names: dict[str, bytes] = {}
         self._trouble = ""
@@ -99,14 +98,12 @@ class Recorder:
         name = self._names.get(topic)
         if name is None:
             name = self._name(topic)
-        at = self._end + wire.HEAD.size
-        end = at + len(name) + len(data)
-        if end > wire.PACKET_BYTES or not name:
+        size = wire.HEAD.size + len(name) + len(data)
+        if self._bytes + size > wire.PACKET_BYTES or not name:
             self._offer_apart(topic, name, data, log_time_ns, publish_time_ns)
             return
-        wire.HEAD.pack_into(self._packet, self._end, len(name), len(data), log_time_ns, publish_time_ns)
-        self._view[at:end] = name + data
-        self._end = end
+        self._packet += (wire.HEAD.pack(len(name), len(data), log_time_ns, publish_time_ns), name, data)
+        self._bytes += size
         self._count += 1
 
     def send(self) -> None:
@@ -117,8 +114,8 @@ class Recorder:
             self.sent += self._count
         else:
             self.unsent += self._count
-        self._end = 0
-        self._count = 0
+        self._packet.clear()
+        self._bytes = self._count = 0
 
     @property
     def pid(self) -> int:
@@ -278,7 +275,7 @@ class Recorder:
 
     def _handed_over(self) -> bool:
         try:
-            self._socket.send(self._view[: self._end])
+            self._socket.send(b"".join(self._packet))
         except (BrokenPipeError, ConnectionResetError):
             self._hear_last()
             self._bury()
