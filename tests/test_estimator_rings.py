@@ -55,6 +55,7 @@ def test_a_delay_corrected_to_its_bound_finds_room(rate: float, delay: float) ->
         assert estimator.tuning[DELAY] == pytest.approx(3 * delay)
         if give_room:
             estimator._state = roomier(estimator._state)
+            estimator._run_by(estimator._model)
         told.append((estimator.run(torque, speed).values, estimator.profile()))
     assert np.isfinite(told[0][0][-1, :16]).all()
     np.testing.assert_array_equal(told[0][0], told[1][0])

@@ -30,7 +30,8 @@ SINCE = round(10 * RATE)
 def at_each_tick(estimator: Estimator) -> Estimator:
     """The same estimator, but with a whole march at each tick."""
     estimator._configured = estimator._configured._replace(shares=1)
-    estimator._model = estimator._told = estimator._model._replace(shares=1)
+    estimator._run_by(estimator._model._replace(shares=1))
+    estimator._told = estimator._model
     return estimator
 
 

@@ -25,7 +25,7 @@ from vsensor.intake import Input, Intake
 from vsensor.intake.arrivals import Arrivals, Feed, Inputs, by_columns
 from vsensor.intake.stretch import laid
 from vsensor.messages import State
-from vsensor.quality import Reason, verdict
+from vsensor.quality import verdict
 
 CHUNK = 10_000
 """Ticks given to the estimator at once."""
@@ -100,7 +100,7 @@ def _flags(inputs: Inputs) -> NDArray[np.uint32]:
 
 def _verdicts(reasons: NDArray[np.uint32]) -> NDArray[np.str_]:
     distinct, place = np.unique(reasons, return_inverse=True)
-    return np.array([verdict(Reason(int(flags))).name.lower() for flags in distinct])[place]
+    return np.array([verdict(int(flags)).name.lower() for flags in distinct])[place]
 
 
 def _answer(kind: str, columns: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:

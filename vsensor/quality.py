@@ -36,11 +36,11 @@ class Reason(IntFlag):
         return ", ".join(flag.name.lower().replace("_", " ") for flag in self if flag.name)
 
 
-_BOTH_STALE = Reason.STALE_TORQUE | Reason.STALE_SPEED
+_WARMING_UP, _BOTH_STALE = int(Reason.WARMING_UP), int(Reason.STALE_TORQUE | Reason.STALE_SPEED)
 
 
-def verdict(reasons: Reason) -> Quality:
-    """Grade a set of reasons: bad where a number must not be used, uncertain where with care."""
-    if reasons & Reason.WARMING_UP or _BOTH_STALE in reasons:
+def verdict(reasons: int) -> Quality:
+    """Grade flags of `Reason`: bad where a number must not be used, uncertain where with care."""
+    if reasons & _WARMING_UP or reasons & _BOTH_STALE == _BOTH_STALE:
         return Quality.BAD
     return Quality.UNCERTAIN if reasons else Quality.GOOD

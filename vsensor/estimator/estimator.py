@@ -43,7 +43,7 @@ class Estimates(NamedTuple):
 
 
 class _Ticks(NamedTuple):
-    """Room for n ticks as the kernels take and fill them: see `kernel.advance`."""
+    """Room for n ticks as the kernels take and fill them: see `kernel.turns`."""
 
     torque: Floats
     speed: Floats
@@ -174,7 +174,9 @@ class Estimator(Known):
         """Run one tick; returns the answers (17,), valid until the next call, and the flags."""
         one = self._one
         one.torque[0], one.speed[0], one.reasons[0] = torque, speed, reasons
-        self._advance(one)
+        self._told = self._model
+        next(self._turns)
+        self._correct_in_time()
         return one.values[0], int(one.lasting[0])
 
     def profile(self) -> Floats:
@@ -238,8 +240,12 @@ class Estimator(Known):
         if count > WORTHWHILE and (most := most_abreast(self._model)) > WORTHWHILE:
             kernel.advance_abreast(self._model, self._state, self._room, most, *ticks.part(0, count - 1))
             ticks = ticks.part(count - 1, count)
-        kernel.advance(self._model, self._state, *ticks)
-        if count and self._state.ticks[0] % self._between == 0:
+        next(kernel.turns(self._model, self._state, *ticks))
+        if count:
+            self._correct_in_time()
+
+    def _correct_in_time(self) -> None:
+        if self._state.ticks[0] % self._between == 0:
             self._correct()
 
     def _correct(self) -> None:
@@ -249,7 +255,7 @@ class Estimator(Known):
         if correct_by_tare(tuning, enabled) or delayed:
             shift_torque(self._model, self._state, float(tuning.value[OFFSET]) - offset)
             # What is in the lines stays there: they are read at other delays from now on.
-            self._model = self._corrected()
+            self._run_by(self._corrected())
             self._state.course[:] = NONE
 
     def _new(self) -> State:
@@ -257,7 +263,12 @@ class Estimator(Known):
 
     def _take(self, state: State) -> None:
         self._state = state
-        self._model = self._told = self._corrected()
+        self._run_by(self._corrected())
+        self._told = self._model
+
+    def _run_by(self, model: Model) -> None:
+        self._model = model
+        self._turns = kernel.turns(model, self._state, *self._one)
 
     def _corrected(self) -> Model:
         value = self._state.tuning.value

@@ -232,6 +232,9 @@ class Intake:
         if self._anchor_ns is None:
             self._anchor_ns = max(self._torque.points[0].time_ns, self._speed.points[0].time_ns)
         time_ns = self._anchor_ns + self._grid.after_ns(self._number)
+        first, last = sorted((self._torque.points[-1].time_ns, self._speed.points[-1].time_ns))
+        if first < time_ns and last <= time_ns + self.max_gap_ns:  # not reached, and no channel far ahead
+            return None
         torque = self._value(self._torque, self._speed, time_ns)
         speed = self._value(self._speed, self._torque, time_ns)
         if torque is None or speed is None:

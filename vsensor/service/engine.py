@@ -101,17 +101,17 @@ class Engine:
         if not tick.number % self._apart:
             self._newest = tick.number // self._apart % self.recent.shape[1]
             self._keep(values[CONFIRMED + SPEED], values[CONFIRMED + TORQUE])
-        return self._estimate(tick, values, Reason(reasons))
+        return self._estimate(tick, values.tolist(), reasons)
 
     def _keep(self, speed: float, torque: float) -> None:
         top = self.estimator.top() if self._warm else (math.nan, math.nan)
         self.recent[:, self._newest] = speed, torque, *top
 
-    def _estimate(self, tick: Tick, values: Floats, reasons: Reason) -> Estimate:
+    def _estimate(self, tick: Tick, values: list[float], reasons: int) -> Estimate:
         estimate = Estimate(number=tick.number, time_ns=tick.time_ns, reasons=reasons)
         estimate.quality = QualityMessage.ValueType(verdict(reasons))
         for name, at in _FIELDS:
-            if not math.isnan(value := float(values[at])):
+            if not math.isnan(value := values[at]):
                 setattr(estimate, name, value)
         if tick.forecast_shed:
             estimate.forecast_shed = True

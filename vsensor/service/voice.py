@@ -21,6 +21,11 @@ from vsensor.service.recording import Recorder
 
 Sent = tuple[str, bytes]
 """A topic, and the bytes of a message that was sent."""
+_SENSORS = (
+    (BIT_SPEED, ("now_bit_speed_rad_s", "now_bit_speed_std_rad_s")),
+    (BIT_TORQUE, ("now_bit_torque_nm", "now_bit_torque_std_nm")),
+)
+"""What is told as a real sensor would tell it: the fields of value and deviation."""
 
 
 class Voice:
@@ -51,8 +56,7 @@ class Voice:
         """Send what is known of the bit: the estimate and, where there is a now, that of two sensors."""
         told = [(BIT_ESTIMATE, self.send(BIT_ESTIMATE, estimate))]
         if estimate.HasField("now_bit_speed_rad_s"):
-            for topic, now in ((BIT_SPEED, "now_bit_speed{}_rad_s"), (BIT_TORQUE, "now_bit_torque{}_nm")):
-                told.append((topic, self.send(topic, _as_sensor(estimate, now))))
+            told += ((topic, self.send(topic, _as_sensor(estimate, *of))) for topic, of in _SENSORS)
         return told
 
     def record(self, topic: str, data: bytes, publish_time_ns: int) -> None:
@@ -82,13 +86,13 @@ class Voice:
         return news
 
 
-def _as_sensor(estimate: Estimate, now: str) -> Sample:
+def _as_sensor(estimate: Estimate, value: str, deviation: str) -> Sample:
     """A now estimate in the form in which a real sensor would send it."""
     return Sample(
         time_ns=estimate.time_ns,
-        value=getattr(estimate, now.format("")),
+        value=getattr(estimate, value),
         sequence=estimate.number,
-        standard_deviation=getattr(estimate, now.format("_std")),
+        standard_deviation=getattr(estimate, deviation),
         quality=estimate.quality,
         reasons=estimate.reasons,
     )
