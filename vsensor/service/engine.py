@@ -45,6 +45,7 @@ _FIELDS = (
 )
 
 
+_WARMING_UP = int(Reason.WARMING_UP)
 RECENT_HZ = 100.0
 """So often a second, at the most, the bit is kept for the figures of the last while: its band is 3 Hz."""
 
@@ -97,7 +98,7 @@ class Engine:
         flags = tick.reasons | (OFF_BOTTOM if tick.off_bottom else 0)
         flags |= NO_FORECAST if tick.forecast_shed else 0
         values, reasons = self.estimator.step(tick.motor_torque_nm, tick.motor_speed_rad_s, flags)
-        self._warm = not reasons & Reason.WARMING_UP
+        self._warm = not reasons & _WARMING_UP
         if not tick.number % self._apart:
             self._newest = tick.number // self._apart % self.recent.shape[1]
             self._keep(values[CONFIRMED + SPEED], values[CONFIRMED + TORQUE])
