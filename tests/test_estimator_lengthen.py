@@ -1,5 +1,7 @@
 """A string that grows while it runs: its waves stay where they are."""
 
+import math
+
 import numba
 import numpy as np
 import pytest
@@ -89,6 +91,15 @@ def test_what_was_learned_stays_and_the_state_can_be_saved_and_taken_up_again() 
     other.restore(saved)
     one, two = (each.run(record[:200, 0], record[:200, 1]).values for each in (sensor, other))
     assert one.tobytes() == two.tobytes()
+
+
+@pytest.mark.parametrize("metres", [math.nan, math.inf, -math.inf, 1e9, -2000.0])
+def test_a_string_that_none_can_be_is_refused_and_nothing_has_changed(metres: float) -> None:
+    sensor = Estimator(SHORT)
+    before = sensor.save()
+    with pytest.raises(ValueError, match=r"is 1500 m long and cannot become \S+ m (longer|shorter)"):
+        sensor.lengthen(metres)
+    assert all(np.array_equal(array, before[name], equal_nan=True) for name, array in sensor.save().items())
 
 
 def test_before_the_first_tick_it_is_simply_another_string() -> None:

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from vsensor.errors import InputError
 from vsensor.messages import BIT_ESTIMATE, SENSOR_STATE, SENSOR_TICK, Array, Estimate, State, Tick
 from vsensor.recording.reader import Session
 from vsensor.recording.verify import Gap, Verdict, verify
@@ -212,6 +213,18 @@ def test_a_state_that_does_not_fit_is_told(tmp_path: Path) -> None:
     assert (verdict.misfit, verdict.compared, verdict.exact) == ("another string than at 30", 0, False)
     loose = verify(session, Other(), strict=False)
     assert (loose.misfit, loose.ticks, loose.compared) == ("another string than at 30", 20, 20)
+
+
+def test_a_tick_that_cannot_be_run_is_named(tmp_path: Path) -> None:
+    class Short(Sum):
+        def step(self, tick: Tick) -> Estimate:
+            if tick.number == 7:
+                raise ValueError("the string cannot become 1e+09 m longer")
+            return super().step(tick)
+
+    session = recorded(tmp_path / "a.mcap", ticks(10))
+    with pytest.raises(InputError, match=r"a\.mcap: tick 7 cannot be run again: the string cannot become"):
+        verify(session, Short())
 
 
 def test_a_restart_behind_a_loss_is_not_known_again(tmp_path: Path) -> None:

@@ -26,8 +26,8 @@ LENGTH = "length"
 """The name under which a saved state holds the length of the topmost component, m;"""
 WAITING = "scores.foretold"
 """and what was foretold, until it can be held against what came."""
-LONGEST_M = 100e3
-"""Longer than any string: a length that was damaged, not one that was recorded."""
+LONGEST_M = 25e3
+"""Longer than any string that has grown: a length that was damaged, not one that was recorded."""
 
 
 class Estimates(NamedTuple):
@@ -108,11 +108,13 @@ class Estimator(Known):
         """Make the topmost component longer by so much, or shorter; what is in the string's lines stays.
 
         Until all waves of before have left, inputs should be flagged `quality.Reason.STRING_CHANGED`.
-        Raises ValueError where nothing would be left of that component.
+        Raises ValueError where nothing would be left of that component, or it would be longer than any.
         """
         top = self._rig.string[0]
         if top.length + metres <= 0:
             raise ValueError(f'"{top.name}" is {top.length:g} m long and cannot become {-metres:g} m shorter')
+        if not self._can_be(top.length + metres):
+            raise ValueError(f'"{top.name}" is {top.length:g} m long and cannot become {metres:g} m longer')
         self._rig = with_length(self._rig, top.length + metres)
         old, before = self._state, self._model
         self._lay_out()
@@ -151,7 +153,7 @@ class Estimator(Known):
                 f"and holds {', '.join(unknown) or 'nothing'} unknown to this version"
             )
         length = saved[LENGTH]
-        if length.shape != (1,) or not 0 < length[0] <= LONGEST_M:
+        if length.shape != (1,) or not self._can_be(length[0]):
             raise ValueError(f"the saved topmost component is {length} m long")
         before = self._rig
         self._relay(with_length(before, float(length[0])))
@@ -163,6 +165,10 @@ class Estimator(Known):
             self._relay(before)
             raise
         return state
+
+    def _can_be(self, length: float) -> bool:
+        """Whether the topmost component can be so long."""
+        return 0 < length <= max(LONGEST_M, self._rig.string[0].length)
 
     def _relay(self, rig: Rig) -> None:
         """Lay out the string of another rig, where it is another."""

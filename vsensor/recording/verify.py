@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from vsensor.errors import InputError
 from vsensor.messages import BIT_ESTIMATE, SENSOR_STATE, SENSOR_TICK, Estimate, State, Tick
 from vsensor.recording.reader import Session
 
@@ -34,7 +35,7 @@ class Machine(Protocol):
     """What runs a session's inputs again."""
 
     def step(self, tick: Tick) -> Estimate:
-        """Run one tick; number 0 means that all input before is forgotten."""
+        """Run one tick; number 0 means that all input before is forgotten. ValueError where it cannot be."""
 
     def take_up(self, state: State) -> None:
         """Go on from a recorded state; ValueError where it does not fit."""
@@ -80,6 +81,7 @@ def verify(
     A session's first state, and the first behind a hole in the ticks' numbers, is taken up; so each part of a
     recording stands alone. A tick's estimate stands behind it in the file. `see` hears of each pair. Ticks
     whose past is not known are passed over; where not `strict`, they are run as after a long silence.
+    Raises InputError for a tick that the machine refuses.
     """
     verdict = Verdict()
     run = _Run(machine, verdict, strict)
@@ -87,7 +89,11 @@ def verify(
         if isinstance(message, State):
             run.state(message)
         elif isinstance(message, Tick):
-            run.tick(message)
+            try:
+                run.tick(message)
+            except ValueError as error:
+                name = f"{session.path}: tick {message.number}"
+                raise InputError(f"{name} cannot be run again: {error}") from error
         elif isinstance(message, Estimate) and run.newest and _same_tick(message, run.newest):
             verdict.compared += 1
             see((message, run.newest))
