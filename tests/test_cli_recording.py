@@ -123,6 +123,18 @@ def test_in_a_narrow_window_no_figure_is_cut_short(session: Path, window: dict[s
     assert "2500.00" in told
 
 
+def test_nothing_that_a_session_tells_is_obeyed_by_a_terminal(tmp_path: Path) -> None:
+    metadata = {"rig": "a\x1b]0;title\x07", "\x1b[2J": "x"}
+    with SessionWriter(tmp_path / "a.mcap", configuration="", metadata=metadata, compression="none"):
+        pass
+    said = CliRunner(env={"FORCE_COLOR": "1", "NO_COLOR": "1"}).invoke(
+        app, ["info", str(tmp_path / "a.mcap")]
+    )
+    assert r"a\x1b]0;title\x07" in said.output
+    assert r"\x1b[2J" in said.output
+    assert not any(letters in said.output for letters in ("\x07", "\x1b]", "\x1b[2J"))
+
+
 def test_info_of_a_torn_session_says_so_and_recover_mends_it(session: Path) -> None:
     torn = session.with_name("b.mcap.part")
     torn.write_bytes(session.read_bytes()[:-20])

@@ -191,5 +191,5 @@ def test_a_recorded_command_is_obeyed_again_and_other_events_say_nothing() -> No
 
 
 def test_a_recorded_command_that_does_not_fit_the_rig_is_named() -> None:
-    with pytest.raises(InputError, match=r'command "shorter 9 km" does not fit this rig: 9000.0 m are more'):
+    with pytest.raises(InputError, match=r"command 'shorter 9 km' does not fit this rig: 9000.0 m are more"):
         Intake(rig(PIPE)).take(SENSOR_EVENT, Event(name="command", text="shorter 9 km"))

@@ -8,6 +8,7 @@ import typer
 from rich.table import Table
 from rich.text import Text
 
+from vsensor.cli.printable import printable
 from vsensor.cli.wide import wide_console
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ def info(session: Annotated[Path, typer.Argument(help="A session, whole or torn.
     console = wide_console()
     table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
     for name, text in _facts(summary, recorded.configuration is not None).items():
-        table.add_row(name, Text(text))
+        table.add_row(Text(printable(name)), Text(printable(text)))
     console.print(table)
     console.print()
     console.print(_topics(summary))
@@ -62,7 +63,7 @@ def _topics(summary: "Summary") -> Table:
         column.justify = "right"
     for topic in summary.topics:
         table.add_row(
-            Text(topic.topic),
+            Text(printable(topic.topic)),
             str(topic.messages),
             f"{topic.rate_hz:.4g} Hz",
             *(f"{(time_ns - summary.first_ns) / 1e9:.3f} s" for time_ns in (topic.first_ns, topic.last_ns)),

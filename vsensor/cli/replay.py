@@ -10,6 +10,7 @@ import typer
 from rich.console import Console
 
 from vsensor.cli.options import connected, rig_name
+from vsensor.cli.printable import printable
 from vsensor.config import Bus, loads
 from vsensor.errors import BusError, ConfigError
 
@@ -189,8 +190,8 @@ class _Commanding:
         from vsensor.bus import command
 
         try:
-            self._say(f'"{words}": {command(self._session, self._prefix, words)}')
+            self._say(f'"{printable(words)}": {command(self._session, self._prefix, words)}')
         except BusError as error:
-            self._say(f'"{words}" is refused: {error}')
+            self._say(f'"{printable(words)}" is refused: {error}')
             return False
         return True

@@ -185,7 +185,7 @@ class Intake:
         try:
             obey(event.text, self.depths)
         except ValueError as error:
-            raise InputError(f'the recorded command "{event.text}" does not fit this rig: {error}') from error
+            raise InputError(f"the recorded command {event.text!r} does not fit this rig: {error}") from error
 
     def _in_time(self, topic: str, channel: Channel, time_ns: int) -> bool:
         """Whether a time follows from what came before.
