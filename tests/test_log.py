@@ -40,6 +40,15 @@ def test_text_is_for_people_and_has_no_colours_in_a_file(
     assert re.fullmatch(r"\d\d:\d\d:\d\d \[info     \] state +state=running\n", capsys.readouterr().out)
 
 
+@pytest.mark.parametrize("form", Form)
+def test_what_others_wrote_is_no_order_to_a_terminal(capsys: pytest.CaptureFixture[str], form: Form) -> None:
+    with logging(form) as log:
+        log.warning("unreadable", last="\x1b[2Jno\x07\n00:00:00 [info     ] READY")
+    told = capsys.readouterr().out
+    assert not {"\x1b", "\x07"} & {*told}
+    assert len(told.splitlines()) == 1
+
+
 def test_where_there_is_no_terminal_it_is_logfmt(capsys: pytest.CaptureFixture[str]) -> None:
     with logging() as log:
         log.info("READY")

@@ -18,6 +18,7 @@ from structlog.processors import JSONRenderer, LogfmtRenderer, TimeStamper, add_
 from structlog.typing import FilteringBoundLogger
 
 from vsensor.bus.allowance import Allowance
+from vsensor.cli.printable import printable
 
 Line = MutableMapping[str, Any]
 
@@ -109,8 +110,15 @@ def logging(form: Form = Form.AUTO, **fields: object) -> Iterator[FilteringBound
 def _rendered(form: Form) -> list[Any]:
     is_terminal = sys.stdout.isatty()
     if form is Form.TEXT or (form is Form.AUTO and is_terminal):
-        return [TimeStamper("%H:%M:%S", utc=False), ConsoleRenderer(pad_event_to=0, colors=is_terminal)]
-    order = ["time", "level", "event"]
-    as_json = JSONRenderer(ensure_ascii=False)
-    render = as_json if form is Form.JSON else LogfmtRenderer(key_order=order, bool_as_flag=False)
-    return [TimeStamper("iso", utc=True, key="time"), render]
+        text = ConsoleRenderer(pad_event_to=0, colors=is_terminal)
+        return [TimeStamper("%H:%M:%S", utc=False), _legible, text]
+    stamped = TimeStamper("iso", utc=True, key="time")
+    if form is Form.JSON:
+        return [stamped, JSONRenderer(ensure_ascii=False)]
+    logfmt = LogfmtRenderer(key_order=["time", "level", "event"], bool_as_flag=False)
+    return [stamped, logfmt, lambda _logger, _method, told: printable(told)]
+
+
+def _legible(_logger: object, _method: str, line: Line) -> Line:
+    """Others' words are in it, such as of a sample that could not be read: no terminal is to obey them."""
+    return {key: printable(told) if isinstance(told, str) else told for key, told in line.items()}
