@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator
+from typing import cast
 
 import pytest
 
@@ -11,7 +12,7 @@ from vsensor.bus import Received, open_session
 from vsensor.messages import BIT_ESTIMATE, SENSOR_TICK, STRING_PROFILE, SURFACE_TORQUE, Message
 from vsensor.service.daemon import Daemon
 from vsensor.service.engine import Engine
-from vsensor.service.pace import Slot
+from vsensor.service.pace import Pace, Slot
 from vsensor.service.profile import Profiler, profile_of
 from vsensor.service.realtime import achieve
 
@@ -108,3 +109,30 @@ def test_answers_that_are_ready_go_out_ahead_of_all_else_where_a_slot_has_time(
         sensor._turn(Slot(1, 0, 0))
     assert told.count(BIT_ESTIMATE) == told.count(SENSOR_TICK) > 0
     assert told[: len(answers)] == answers
+
+
+class Slots:
+    """So many slots, one right behind the other."""
+
+    start_ns = 0
+
+    def __init__(self, count: int) -> None:
+        self._count = count
+
+    def slots(self) -> Iterator[Slot]:
+        for number in range(1, self._count + 1):
+            yield Slot(number, 0, 0)
+
+
+@pytest.mark.parametrize(("rate", "turns"), [(50.0, 1), (100.0, 1), (1000.0, 10)])
+def test_the_recorder_is_given_what_is_for_it_a_hundred_times_a_second_at_the_most(
+    rate: float, turns: int
+) -> None:
+    """It would be woken as often; and no more than 10 ms of a record are lost with the daemon."""
+    rig = SHORT.model_copy(update={"bus": free_bus(), "loop": SHORT.loop.model_copy(update={"rate": rate})})
+    handed: list[int] = []
+    with open_session(rig.bus, "daemon") as session, pytest.MonkeyPatch.context() as patched:
+        sensor = Daemon(rig, Engine(rig), session, None, achieve(rig.loop))
+        patched.setattr(sensor.voice, "hand_on", lambda: handed.append(sensor.health.slots_run))
+        sensor.run(cast("Pace", Slots(30)), (), lambda: False)
+    assert handed == [*range(turns, 31, turns), 30]
