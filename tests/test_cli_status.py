@@ -37,6 +37,16 @@ def test_the_page_of_a_sensor_that_has_said_nothing_yet() -> None:
     assert "nothing is recorded" in text
 
 
+def test_brackets_in_a_name_are_shown() -> None:
+    panel = Panel(Status(rig="a", recording="rec[/x]/[red]a.mcap"))
+    panel.hear_all(
+        [("", Event(time_ns=0, name="session_deleted", begins=True, text="[/x]b.mcap is deleted"))]
+    )
+    text = page(panel)
+    assert "rec[/x]/[red]a.mcap" in text
+    assert "[/x]b.mcap is deleted" in text
+
+
 def test_each_state_has_its_colour() -> None:
     assert set(STYLES) == set(STATES)
 

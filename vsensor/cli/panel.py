@@ -4,6 +4,7 @@ import math
 import time
 from collections import deque
 from collections.abc import Iterable
+from typing import Any
 
 from rich.console import Group, RenderableType
 from rich.panel import Panel as Frame
@@ -150,8 +151,14 @@ def _recording(status: Status) -> RenderableType:
     return table
 
 
+class _Rows(Table):
+    def add_row(self, *cells: RenderableType | None, **settings: Any) -> None:
+        """Words as they are: a folder's name may hold brackets, which would be a style."""
+        super().add_row(*(Text(cell) if isinstance(cell, str) else cell for cell in cells), **settings)
+
+
 def _table(title: str, *columns: str) -> Table:
-    table = Table(box=None, pad_edge=False, padding=(0, 3, 0, 0), header_style="dim")
+    table = _Rows(box=None, pad_edge=False, padding=(0, 3, 0, 0), header_style="dim")
     table.add_column(title, style="bold", min_width=14, no_wrap=True)
     for column in columns:
         table.add_column(column)
