@@ -1,5 +1,7 @@
 """The commands that make, read, mend and play sessions, as a user meets them."""
 
+import errno
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -242,3 +244,35 @@ def test_a_table_that_is_bad_further_down_leaves_no_session_of_estimates(tmp_pat
     done = vsensor("estimate", table, tmp_path / "rig.toml", "-o", tmp_path / "b.mcap")
     assert (done.exit_code, "line 202" in done.output) == (1, True), done.output
     assert not list(tmp_path.glob("b*"))
+
+
+@pytest.mark.parametrize("after", [0, 1, 2], ids=["at once", "at the last", "at the index"])
+@pytest.mark.parametrize("command", ["import", "estimate"])
+def test_a_full_disk_leaves_no_session_of_a_table(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str, after: int
+) -> None:
+    (tmp_path / "rig.toml").write_text(CONFIG)
+    table = surface_csv(tmp_path / "a.csv")
+    synced = 0
+
+    def full(_handle: int) -> None:
+        nonlocal synced
+        synced += 1
+        if synced > after:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    rig = [tmp_path / "rig.toml"] if command == "estimate" else []
+    done = vsensor(command, table, *rig, "-o", tmp_path / "b.mcap")
+    assert done.exit_code == 1
+    assert f"{tmp_path / 'b.mcap'}: cannot be written: No space left on device" in done.output.replace(
+        "\n", ""
+    )
+    assert not list(tmp_path.glob("b*"))
+
+
+def test_another_session_that_is_being_written_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "b.mcap.part").write_bytes(b"another's")
+    done = vsensor("import", surface_csv(tmp_path / "a.csv"), "-o", tmp_path / "b.mcap")
+    assert (done.exit_code, "b.mcap.part: exists already" in done.output) == (1, True)
+    assert (tmp_path / "b.mcap.part").read_bytes() == b"another's"

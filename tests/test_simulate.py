@@ -202,7 +202,13 @@ def test_the_truth_file_says_what_was_true_at_the_bit_and_when(tmp_path: Path) -
 
 
 def test_a_truth_that_cannot_be_written_is_told_in_a_sentence(tmp_path: Path) -> None:
-    for file, said in ((tmp_path / "no" / "x.csv", "No such file"), (tmp_path, "Is a directory")):
+    full = tmp_path / "full.csv"
+    full.symlink_to("/dev/full")
+    for file, said in (
+        (tmp_path / "no" / "x.csv", "No such file"),
+        (tmp_path, "Is a directory"),
+        (full, "No space left on device"),
+    ):
         with pytest.raises(InputError, match=f"{file}: cannot be written: {said}"):
             broadcast(
                 SimulatedRig(RIG, PLANS[Scenario.SMOOTH], 1),

@@ -149,22 +149,19 @@ def _to_session(rig: Rig, source: Path, output: Path, forecast: bool, console: C
     from vsensor.config import effective_toml
     from vsensor.messages import BIT_ESTIMATE, SENSOR_STATE, SENSOR_TICK
     from vsensor.provenance import provenance
-    from vsensor.recording.writer import SessionWriter, all_or_nothing
+    from vsensor.recording.writer import all_or_nothing
     from vsensor.service.engine import Engine
 
     engine = Engine(rig)
     _begin(source, engine, forecast, console)
     begun = checkpoint.whole(*checkpoint.remembered(engine.intake, engine.estimator))
     ticks = 0
-    with (
-        SessionWriter(
-            output,
-            configuration=effective_toml(rig),
-            metadata=provenance(rig),
-            compression=rig.recording.compression,
-        ) as writer,
-        all_or_nothing(writer),
-    ):
+    with all_or_nothing(
+        output,
+        configuration=effective_toml(rig),
+        metadata=provenance(rig),
+        compression=rig.recording.compression,
+    ) as writer:
         writer.write(SENSOR_STATE, begun.SerializeToString(), begun.time_ns, begun.time_ns)
         for topic, sample in _samples(source, forecast):
             writer.write(topic, sample.SerializeToString(), sample.time_ns, sample.time_ns)

@@ -77,12 +77,9 @@ def _session(
     output: Path, configuration: str, metadata: dict[str, str], pieces: "Iterator[SurfaceTable]"
 ) -> int:
     """Write all of it, or no session; returns how many rows."""
-    from vsensor.recording.writer import SessionWriter, all_or_nothing
+    from vsensor.recording.writer import all_or_nothing
 
-    with (
-        SessionWriter(output, configuration=configuration, metadata=metadata, compression="zstd") as writer,
-        all_or_nothing(writer),
-    ):
+    with all_or_nothing(output, configuration=configuration, metadata=metadata, compression="zstd") as writer:
         return _write(writer, pieces)
 
 

@@ -37,19 +37,19 @@ _COMPRESSION = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "none"
 _MAX_TIME_NS = (1 << 64) - 1
 
 
-@contextmanager
-def all_or_nothing(writer: "SessionWriter") -> Iterator[None]:
-    """Within, what fails or is stopped takes the file with it: of a table half of it is no session."""
-    try:
-        yield
-    except BaseException:
-        writer.part.unlink(missing_ok=True)
-        raise
-
-
 def part_of(path: Path) -> Path:
     """The name that a session bears until it is complete."""
     return path.with_name(f"{path.name}.part")
+
+
+class TornOffError(VsensorError):
+    """The disk takes no more; what was written until then stays."""
+
+    def __init__(self, part: Path, why: str) -> None:
+        super().__init__(
+            f"{part}: cannot be written on: {why}; what stands in it can be had by: vsensor recover {part}"
+        )
+        self.why = why
 
 
 class SessionWriter:
@@ -184,10 +184,7 @@ class SessionWriter:
 
     def _torn_off(self, error: OSError) -> VsensorError:
         self._abandon()
-        return VsensorError(
-            f"{self.part}: cannot be written on: {error.strerror or error}; "
-            f"what stands in it can be had by: vsensor recover {self.part}"
-        )
+        return TornOffError(self.part, error.strerror or str(error))
 
     def _abandon(self) -> None:
         """Leave the file under its unfinished name."""
@@ -219,3 +216,27 @@ def _sync_folder(folder: Path) -> None:
             os.fsync(handle)
         finally:
             os.close(handle)
+
+
+@contextmanager
+def all_or_nothing(
+    path: Path, *, configuration: str, metadata: Mapping[str, str], compression: Compression
+) -> Iterator[SessionWriter]:
+    """A session that is there as a whole or not at all: what fails or is stopped leaves nothing.
+
+    Raises InputError where it cannot be written, ConfigError for a name that is none.
+    """
+    part = part_of(path)
+    others = part.exists()
+    try:
+        with SessionWriter(
+            path, configuration=configuration, metadata=metadata, compression=compression
+        ) as writer:
+            yield writer
+    except BaseException as error:
+        if others:
+            raise
+        part.unlink(missing_ok=True)
+        if isinstance(error, TornOffError):
+            raise InputError(f"{path}: cannot be written: {error.why}") from error
+        raise

@@ -52,15 +52,14 @@ def _truth(path: Path | None) -> Iterator[Callable[[Reading, int], None]]:
         yield lambda _reading, _begun: None
         return
     try:
-        opened = path.open("w", newline="", encoding="utf-8")
+        with path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(TRUTH_COLUMNS)
+
+            def note(reading: Reading, begun_ns: int) -> None:
+                time_s = (begun_ns + round(reading.bit_time_s * NS)) / NS
+                writer.writerow((f"{time_s:.6f}", f"{reading.bit_torque:.3f}", f"{reading.bit_speed:.6f}"))
+
+            yield note
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from error
-    with opened as file:
-        writer = csv.writer(file)
-        writer.writerow(TRUTH_COLUMNS)
-
-        def note(reading: Reading, begun_ns: int) -> None:
-            time_s = (begun_ns + round(reading.bit_time_s * NS)) / NS
-            writer.writerow((f"{time_s:.6f}", f"{reading.bit_torque:.3f}", f"{reading.bit_speed:.6f}"))
-
-        yield note
