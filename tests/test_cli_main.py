@@ -107,17 +107,34 @@ def test_who_reads_no_further_than_the_first_line_is_told_of_no_error() -> None:
         (["run", "CONFIG"], 1, "error: "),
     ],
 )
-def test_without_a_standard_output_the_work_is_done_all_the_same(
+def test_without_standard_streams_the_work_is_done_all_the_same(
     tmp_path: Path, words: list[str], status: int, said: str
 ) -> None:
     """As under a supervisor that closes it."""
     taken = tmp_path / "rig.toml"
     taken.write_text(Path("config/drilling.toml").read_text() + '[bus]\nlisten = ["tcp/192.0.2.1:7447"]\n')
     command = shlex.join([*PROGRAM, *(str(taken) if word == "CONFIG" else word for word in words)])
-    shut = ["sh", "-c", f"exec {command} >&-"]
+    shut = ["sh", "-c", f"exec {command} <&- >&-"]
     done = subprocess.run(shut, stderr=subprocess.PIPE, text=True, check=False)
     assert (done.returncode, done.stderr.startswith(said)) == (status, True), done.stderr
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.process
+def test_no_file_takes_the_place_of_a_closed_stream() -> None:
+    """For what is said there, by whichever library, would be written into it."""
+    program = """
+import os, sys
+from vsensor.cli.output import Output, open_closed
+open_closed()
+sys.stdout = Output.standard()
+taken = os.open("/proc/self/status", os.O_RDONLY)
+held = [os.readlink(f"/proc/self/fd/{number}") == os.devnull for number in range(3)]
+sys.stdin.read(), sys.stdout.write("lost"), sys.stderr.write("lost")
+sys.exit(7 if all(held) and all(map(os.get_inheritable, range(3))) and taken > 2 else 1)
+"""
+    shut = f"exec {shlex.join([sys.executable, '-c', program])} <&- >&- 2>&-"
+    assert subprocess.run(["sh", "-c", shut], check=False).returncode == 7
 
 
 @pytest.mark.process

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from vsensor.cli.output import Output
+from vsensor.cli.output import Output, open_closed
 from vsensor.errors import VsensorError
 
 # Command → its line in `vsensor --help`. Command X is the function X in vsensor/cli/X.py, with an
@@ -89,6 +89,7 @@ def _vsensor(
 
 def main() -> None:
     """Run the command line; exit status 0 done, 1 the work failed, 2 wrong use, 130 stopped by Ctrl-C."""
+    open_closed()
     output = Output.standard()
     sys.stdout = output
     try:

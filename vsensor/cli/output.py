@@ -1,8 +1,19 @@
-"""Standard output, as whoever called us has left it."""
+"""The standard streams, as whoever called us has left them."""
 
 import os
 import sys
 from io import BufferedWriter, FileIO, TextIOWrapper
+
+STDIN, STDOUT, STDERR = range(3)
+
+
+def open_closed() -> None:
+    """Open to nothing what was closed: else a file of ours takes its place, and gets what is said there."""
+    while (handle := os.open(os.devnull, os.O_RDWR)) <= STDERR:
+        os.set_inheritable(handle, True)
+    os.close(handle)
+    sys.stdin = sys.stdin or os.fdopen(STDIN, closefd=False)
+    sys.stderr = sys.stderr or os.fdopen(STDERR, "w", closefd=False)
 
 
 class Output(TextIOWrapper):
@@ -12,12 +23,9 @@ class Output(TextIOWrapper):
 
     @classmethod
     def standard(cls) -> "Output":
-        """Standard output: a letter that its encoding has not becomes a question mark.
-
-        Where it was closed what is said is lost, and the work is done all the same.
-        """
+        """Standard output, with a question mark for each letter that its encoding has not."""
         if sys.stdout is None:
-            return cls(BufferedWriter(FileIO(os.devnull, "w")), encoding="utf-8")
+            return cls(BufferedWriter(FileIO(STDOUT, "w", closefd=False)), encoding="utf-8")
         return cls(
             sys.stdout.buffer,
             encoding=sys.stdout.encoding,
