@@ -52,7 +52,7 @@ def test_a_changed_kernel_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
         "_lay_out",
         "_take",
         "_answer",
-        "advance",
+        "turns",
     ):  # compiled anew: in a kernel its callees stand fast
         monkeypatch.setattr(kernel, caller, numba.njit(getattr(kernel, caller).py_func))
     verdict = verify(session, Engine(rig))

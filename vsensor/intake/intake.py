@@ -234,6 +234,8 @@ class Intake:
         time_ns = self._anchor_ns + self._grid.after_ns(self._number)
         first, last = sorted((self._torque.points[-1].time_ns, self._speed.points[-1].time_ns))
         if first < time_ns and last <= time_ns + self.max_gap_ns:  # not reached, and no channel far ahead
+            self._torque.let_go(time_ns)
+            self._speed.let_go(time_ns)
             return None
         torque = self._value(self._torque, self._speed, time_ns)
         speed = self._value(self._speed, self._torque, time_ns)
