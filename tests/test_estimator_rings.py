@@ -43,7 +43,7 @@ def roomier(state: State) -> State:
 @pytest.mark.parametrize("delay", [0.01, 0.04, 0.3])
 @pytest.mark.parametrize("rate", STEPS)
 def test_a_delay_corrected_to_its_bound_finds_room(rate: float, delay: float) -> None:
-    pipe = PIPE.model_copy(update={"length": 2500.0})
+    pipe = PIPE.model_copy(update={"length": 2600.0})
     unsure = rig(pipe, bit=BIT, top_drive=DRIVE, rate=rate, estimator={"lag": 0.1})
     unsure = unsure.model_copy(update={"tuning": Tuning(delay=delay)})
     seconds = np.arange(round(14 * rate)) / rate

@@ -11,6 +11,7 @@ from vsensor.estimator import component
 from vsensor.estimator.sections import FINEST, cut, longest_round_trips, steps_per_tick, stretched
 
 STEPS = st.floats(1e-4, 1e-2)
+LONG = PIPE.model_copy(update={"length": 3000.0})
 
 
 @given(strings(), STEPS, st.floats(50, 1000))
@@ -72,14 +73,23 @@ def test_only_what_rubs_is_cut() -> None:
 
 @pytest.mark.parametrize(("rate", "expected"), [(100, 3), (1000, 1), (20, 13)])
 def test_the_step_is_fine_enough_for_the_string(rate: float, expected: int) -> None:
-    assert steps_per_tick((PIPE,), 1 / rate) == expected
+    assert steps_per_tick((LONG,), 1 / rate) == expected
+
+
+@given(strings(), st.sampled_from([20.0, 100.0, 1000.0]))
+def test_half_a_step_is_a_four_hundredth_of_the_string_or_an_eighth_of_a_millisecond(
+    string: tuple[Component, ...], rate: float
+) -> None:
+    steps = steps_per_tick(string, 1 / rate)
+    travel = sum(component.delay(part) for part in string)
+    assert steps == FINEST or 0.5 / rate / steps <= max(travel / 400, 0.125e-3) * (1 + 1e-9)
 
 
 def test_the_step_follows_the_shortest_component_down_to_a_limit() -> None:
     short = COLLAR.model_copy(update={"length": 9.75})
-    assert steps_per_tick((PIPE, short), 0.01) == 4
+    assert steps_per_tick((LONG, short), 0.01) == 4
     shorter = COLLAR.model_copy(update={"length": 0.3})
-    assert steps_per_tick((PIPE, shorter), 0.01) == FINEST
+    assert steps_per_tick((LONG, shorter), 0.01) == FINEST
 
 
 def test_the_papers_string() -> None:

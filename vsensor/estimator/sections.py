@@ -22,6 +22,11 @@ LONGEST_STEP_S = 4e-3
 """Delays are rounded to half a step: at 5 Hz, beyond which a string tells next to nothing of its bit,
 that turns a wave's phase by at most π/50 at any junction, however long the string. Below 7.8 Hz, FINEST
 steps a tick are longer: ticks carry no more than half their rate there, which half a step turns by π/64."""
+LEAST_STEPS = 200
+"""Of a string's travel time at the least: a short one swings faster, and tells of more. Steps of 4 ms would
+put the ends of its collars wrong by a twentieth of their length, and with them their ringing."""
+SHORTEST_STEP_S = 0.25e-3
+"""But no finer for that: half of it is 0.4 m, and work grows with the steps in a second."""
 
 
 class Line(NamedTuple):
@@ -52,7 +57,8 @@ class _Part(NamedTuple):
 
 def steps_per_tick(string: Sequence[Component], tick_s: float) -> int:
     """How many internal steps a tick takes so that every component lasts one and rounding stays small."""
-    step = min(LONGEST_STEP_S, *(component.delay(part) for part in string))
+    delays = [component.delay(part) for part in string]
+    step = min(LONGEST_STEP_S, max(SHORTEST_STEP_S, sum(delays) / LEAST_STEPS), *delays)
     return min(FINEST, math.ceil(tick_s / step * (1 - 1e-12)))
 
 
