@@ -1,4 +1,4 @@
-"""How much of a turn may go into samples: half a slot, and more only where a backlog lasts.
+"""How much of a turn may go into samples: what ends within most of a slot, more only where a backlog lasts.
 
 What comes in a bunch is worked off over the turns that follow, each on time. After a cut there is more than
 that, and it is better to be late for a while than to be behind for long.
@@ -8,12 +8,15 @@ import time
 
 from vsensor.grid import NS
 
-SHARE = 0.5
-"""Of a slot."""
+SHARE = 0.7
+"""Of a slot: a sample that will not be done with by then, if it takes as long as the longest of this turn,
+waits for the next."""
+PATIENCE_S = 0.025
+"""A backlog lasts that is still there after so long;"""
 GROWTH = 1.1
 GROWTH_HZ = 1000.0
-"""With each turn in a row that leaves samples waiting, and no faster than as many times a second: from half a
-slot of 1 ms to the longest in 50 turns."""
+"""then a turn has so many times the time that the one before had, this often a second at the most: at 1 kHz,
+from 0.7 of a slot to the longest in 45 turns."""
 LONGEST_S = 0.05
 """Status, commands and signals do not wait longer."""
 
@@ -25,17 +28,27 @@ class Ration:
         self._least_ns = round(SHARE * NS / rate_hz)
         self._most_ns = max(self._least_ns, round(LONGEST_S * NS))
         self._growth = GROWTH ** min(1.0, GROWTH_HZ / rate_hz)
+        self._patience = int(PATIENCE_S * rate_hz)
         self._ns = self._least_ns
-        self._until_ns = 0
+        self._until_ns = self._longest_ns = 0
+        self._asked_ns: int | None = None
         self._spent = False
+        self._in_a_row = 0
 
     def begin(self) -> None:
-        """A turn begins: it has more time than the one before if that one had too little."""
-        self._ns = min(round(self._growth * self._ns), self._most_ns) if self._spent else self._least_ns
+        """A turn begins: it has more time than the one before if those before had too little for long."""
+        self._in_a_row = self._in_a_row + 1 if self._spent else 0
+        grows = self._in_a_row > self._patience
+        self._ns = min(round(self._growth * self._ns), self._most_ns) if grows else self._least_ns
         self._spent = False
+        self._asked_ns, self._longest_ns = None, 0
         self._until_ns = time.monotonic_ns() + self._ns
 
     def lasts(self) -> bool:
-        """Whether there is time for another sample."""
-        self._spent = time.monotonic_ns() >= self._until_ns
+        """Whether there is time for another sample: for the first of a turn there always is."""
+        now = time.monotonic_ns()
+        if self._asked_ns is not None:
+            self._longest_ns = max(self._longest_ns, now - self._asked_ns)
+            self._spent = now + self._longest_ns > self._until_ns
+        self._asked_ns = now
         return not self._spent
