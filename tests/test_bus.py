@@ -147,8 +147,9 @@ def test_what_cannot_be_read_is_told_and_what_follows_is_read(
     daemon: zenoh.Session, client: zenoh.Session, prefix: str, payload: bytes, encoding: str
 ) -> None:
     inbox = SurfaceInbox(daemon, prefix, CHANNELS)
-    client.put(f"{prefix}/{SURFACE_TORQUE}", payload, encoding=encoding)
-    client.put(f"{prefix}/{SURFACE_TORQUE}", "1", encoding="text/plain")
+    whole = zenoh.CongestionControl.BLOCK  # megabytes: a busy machine would drop a piece
+    client.put(f"{prefix}/{SURFACE_TORQUE}", payload, encoding=encoding, congestion_control=whole)
+    client.put(f"{prefix}/{SURFACE_TORQUE}", "1", encoding="text/plain", congestion_control=whole)
     bad, good = received(inbox, 2)
     assert bad.topic == SURFACE_TORQUE
     assert bad.sample is None

@@ -5,7 +5,7 @@ import math
 import numba
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tests.strings import BIT, COLLAR, DRIVE, PIPE, rig
@@ -40,6 +40,7 @@ def drilled(of: Rig, scenario: Scenario, seconds: float) -> Floats:
 @COMPILED
 @settings(max_examples=10)
 @given(st.floats(-300, 600))
+@example(-61.0)  # a string so long would have another grid, were it configured so
 def test_a_string_that_turns_steadily_goes_on_as_it_did(metres: float) -> None:
     """Steady rotation against a viscous bit: the wall of what is added takes its share, and nothing else."""
     steady = rig(PIPE, COLLAR, rate=50.0, bit={"inertia": 50.0, "viscous_friction": 300.0}, top_drive=DRIVE)

@@ -68,6 +68,8 @@ class Estimator(Known):
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
         self._between = round(EVERY_S * rig.loop.rate)
+        # The string may become another while it runs; its waves are kept by steps, which stay as they are.
+        self._steps = steps_per_tick(rig.string, 1 / rig.loop.rate)
         self._one = _Ticks(
             np.empty(1),
             np.empty(1),
@@ -84,13 +86,12 @@ class Estimator(Known):
     def _lay_out(self) -> None:
         rig = self._rig
         tick = 1 / rig.loop.rate
-        steps = steps_per_tick(rig.string, tick)
-        cuts = rig.string, tick / steps, rig.estimator.section_length, rig.survey, rig.wellbore
+        cuts = rig.string, tick / self._steps, rig.estimator.section_length, rig.survey, rig.wellbore
         line = cut(*cuts)
         self.stations = stations(rig.string, line, junction_depths(*cuts))
         """Where along the string `profile` tells of it."""
         self._profile = np.empty((2, len(self.stations.depth)))
-        self._configured = model_of(rig, line, self.stations, steps)
+        self._configured = model_of(rig, line, self.stations, self._steps)
         self._room = room_for(self._configured)
 
     def reset(self) -> None:
