@@ -80,6 +80,7 @@ def test_a_stand_added_in_the_middle_of_stick_slip_is_followed() -> None:
     assert rms[0] < 1.5 * rms[1] + 0.05
 
 
+@COMPILED
 def test_what_was_learned_stays_and_the_state_can_be_saved_and_taken_up_again() -> None:
     record = drilled(SHORT, Scenario.STICK_SLIP, 30)
     sensor = Estimator(SHORT)

@@ -2,6 +2,7 @@
 
 import math
 
+import numba
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -14,6 +15,10 @@ from vsensor.estimator.gains import ROCK_LEVELS
 from vsensor.estimator.kernel import CONFIRMED, SPEED, SPEED_STD, TORQUE, TORQUE_STD
 from vsensor.estimator.sections import Floats
 
+COMPILED = pytest.mark.skipif(
+    numba.config.DISABLE_JIT,  # type: ignore[attr-defined]
+    reason="long records: too slow without the compiler",
+)
 LEVEL = 4
 ROCK = float(ROCK_LEVELS[LEVEL])
 CHANGING = 5e3 + 2e3 * np.sin(np.arange(820) / 17.0)
@@ -101,6 +106,7 @@ def test_where_one_channel_is_lost_the_string_runs_on_and_its_return_is_seamless
     assert error[720:].max() < 0.01
 
 
+@COMPILED
 @pytest.mark.parametrize(("torque", "speed"), [(1.5e5, 0.0), (0.0, 50.0), (-1e5, -40.0)])
 def test_a_wild_sample_does_limited_harm(torque: float, speed: float) -> None:
     record = drilled(LINEAR, np.full(800, 4e3), ROCK, 5)
@@ -130,6 +136,7 @@ def test_a_bit_at_rest_stays_exactly_at_rest_whatever_the_noise_says() -> None:
     assert told[-200:, CONFIRMED + TORQUE].mean() == pytest.approx(5e3, rel=0.03)
 
 
+@COMPILED
 @settings(max_examples=5)
 @given(st.integers(0, 2**32 - 1), st.integers(0, len(ROCK_LEVELS) - 1))
 def test_corrections_never_feed_on_themselves(seed: int, level: int) -> None:
@@ -141,6 +148,7 @@ def test_corrections_never_feed_on_themselves(seed: int, level: int) -> None:
     assert calm[-200:].max() < 0.5 * calm[50:250].max()
 
 
+@COMPILED
 @pytest.mark.parametrize("level", [0, 4])
 def test_a_top_without_inertia_is_not_driven_by_the_noise_of_its_last_sample(level: int) -> None:
     """The next tick's torque begins at that sample; left as it was measured, it drove the string away."""
