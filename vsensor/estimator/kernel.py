@@ -18,15 +18,7 @@ from vsensor.estimator.score import NOW as FIRST
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import NONE, Model, State
 from vsensor.estimator.study import confirmed_step, foretold_for, study_rock, study_string, study_wall
-from vsensor.estimator.tune import (
-    DELAY,
-    FRICTION,
-    INERTIA,
-    OFFSET,
-    SETTLED_S,
-    STRINGS,
-    wall_torque,
-)
+from vsensor.estimator.tune import DELAY, FRICTION, INERTIA, OFFSET, SETTLED_S, STRINGS, wall_torque
 from vsensor.jit import compiled
 from vsensor.quality import Reason
 
