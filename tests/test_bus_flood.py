@@ -43,6 +43,20 @@ def test_what_a_drain_has_no_time_for_comes_once_and_in_its_place(rig: Ends, tur
     assert times_ns(got, SURFACE_SPEED) == [0, 1, 2, 3]
 
 
+def test_time_is_asked_for_only_where_something_waits(rig: Ends) -> None:
+    inbox = rig.inbox((SURFACE_SPEED,))
+    rig.send(SURFACE_SPEED, range(3))
+    asked: list[bool] = []
+
+    def more() -> bool:
+        asked.append(True)
+        return True
+
+    assert len(list(inbox.drain(more, hold=False))) == len(asked) == 3
+    assert list(inbox.drain(more, hold=False)) == []
+    assert len(asked) == 3
+
+
 def test_one_call_ends_however_fast_the_inbox_is_filled_meanwhile(rig: Ends) -> None:
     inbox = rig.inbox((SURFACE_SPEED,), capacity=10)
     rig.send(SURFACE_SPEED, range(10))

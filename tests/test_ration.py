@@ -24,10 +24,10 @@ def watch(monkeypatch: pytest.MonkeyPatch) -> Watch:
     return watch
 
 
-def turn(given: Ration, watch: Watch, waiting: int, each_ns: int) -> int:
+def turn(given: Ration, watch: Watch, waiting: int, each_ns: int, lateness_ns: int = 0) -> int:
     """Work for one turn on what waits; returns how many are left."""
-    given.begin()
-    while given.lasts() and waiting:
+    given.begin(lateness_ns)
+    while waiting and given.lasts():
         watch.ns += each_ns
         waiting -= 1
     return waiting
@@ -49,9 +49,34 @@ def test_a_slow_machine_does_one_at_a_time(watch: Watch, each_ns: int) -> None:
     assert turn(Ration(1000.0), watch, 10, each_ns) == 9
 
 
+def test_a_turn_that_wakes_late_does_less(watch: Watch) -> None:
+    """It would end within the next slot, and make that one late too."""
+    given = Ration(1000.0)
+    assert turn(given, watch, 10, 200_000) == 7
+    assert turn(given, watch, 10, 200_000, lateness_ns=200_000) == 8
+    assert turn(given, watch, 10, 200_000, lateness_ns=5_000_000) == 9
+
+
+def test_a_slow_machine_without_a_backlog_is_given_no_longer_turns(watch: Watch) -> None:
+    """Each turn ends with the only sample that there was, however little time that left."""
+    given = Ration(1000.0)
+    for _ in range(1000):
+        assert turn(given, watch, 1, 650_000) == 0
+    assert turn(given, watch, 10, 300_000) == 8
+
+
+def test_a_backlog_that_lasts_is_given_the_time_there_is_late_or_not(watch: Watch) -> None:
+    given = Ration(1000.0)
+    for _ in range(200):
+        turn(given, watch, 1000, 100_000, lateness_ns=900_000)
+    begun = watch.ns
+    turn(given, watch, 20_000, 100_000, lateness_ns=900_000)
+    assert watch.ns - begun == pytest.approx(ration.LONGEST_S * NS, rel=0.01)
+
+
 def test_a_backlog_that_lasts_is_given_all_the_time_there_is(watch: Watch) -> None:
-    given, waiting, took = Ration(1000.0), 20_000, []
-    for _ in range(80):
+    given, waiting, took = Ration(1000.0), 50_000, []
+    for _ in range(200):
         begun = watch.ns
         waiting = turn(given, watch, waiting, 100_000)
         took.append(watch.ns - begun)
@@ -62,7 +87,7 @@ def test_a_backlog_that_lasts_is_given_all_the_time_there_is(watch: Watch) -> No
 
 def test_afterwards_it_is_short_again(watch: Watch) -> None:
     given = Ration(1000.0)
-    for _ in range(80):
+    for _ in range(200):
         turn(given, watch, 1000, 300_000)
     assert turn(given, watch, 1, 300_000) == 0
     assert turn(given, watch, 10, 300_000) == 8

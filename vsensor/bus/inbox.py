@@ -53,15 +53,14 @@ class SurfaceInbox:
     def drain(self, more: Callable[[], bool] = lambda: True, *, hold: bool = True) -> Iterator[Received]:
         """Yield what has come since the last call, and no longer than there is time for `more`.
 
-        Never waits, and ends even if ever more comes. Without `hold` nothing is held back.
+        Asks for `more` only where something waits, which stays there. Never waits itself, and ends even if
+        ever more comes. Without `hold` nothing is held back.
         """
         queues, refused = self._queues, 0
         for number in range(1, self._capacity + 1):
-            if not more():
-                return
             now_ns = time.monotonic_ns()
             queues = [queue for queue in queues if queue.waits or queue.look(now_ns)]
-            if not queues or (queue := self._next(queues, now_ns, hold)) is None:
+            if not queues or (queue := self._next(queues, now_ns, hold)) is None or not more():
                 return
             self._waiting = max(self._waiting, number)
             if queue.over_rate:

@@ -170,7 +170,7 @@ class Daemon:
 
     def _turn(self, slot: Slot) -> None:
         self._count_owed(slot)
-        self._ration.begin()
+        self._ration.begin(slot.lateness_ns)
         self._take_in(slot, self._ration.lasts)
         self.health.listen()
 

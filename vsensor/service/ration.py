@@ -11,7 +11,7 @@ from vsensor.grid import NS
 SHARE = 0.7
 """Of a slot: a sample that will not be done with by then, if it takes as long as the longest of this turn,
 waits for the next."""
-PATIENCE_S = 0.025
+PATIENCE_S = 0.1
 """A backlog lasts that is still there after so long;"""
 GROWTH = 1.1
 GROWTH_HZ = 1000.0
@@ -35,14 +35,17 @@ class Ration:
         self._spent = False
         self._in_a_row = 0
 
-    def begin(self) -> None:
-        """A turn begins: it has more time than the one before if those before had too little for long."""
+    def begin(self, lateness_ns: int = 0) -> None:
+        """A turn begins, so late: longer than the one before if those before had too little time for long.
+
+        What it is late by is lost to it, unless there is a backlog: else the next would be late as well.
+        """
         self._in_a_row = self._in_a_row + 1 if self._spent else 0
         grows = self._in_a_row > self._patience
         self._ns = min(round(self._growth * self._ns), self._most_ns) if grows else self._least_ns
         self._spent = False
         self._asked_ns, self._longest_ns = None, 0
-        self._until_ns = time.monotonic_ns() + self._ns
+        self._until_ns = time.monotonic_ns() + self._ns - (0 if grows else lateness_ns)
 
     def lasts(self) -> bool:
         """Whether there is time for another sample: for the first of a turn there always is."""
