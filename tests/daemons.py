@@ -7,7 +7,7 @@ import sys
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import cast
 
@@ -37,6 +37,15 @@ def free_bus() -> Bus:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return Bus(listen=(f"tcp/127.0.0.1:{probe.getsockname()[1]}",))
+
+
+def open_files(pid: int) -> list[str]:
+    """What a process has open."""
+    found = []
+    for descriptor in Path(f"/proc/{pid}/fd").iterdir():
+        with suppress(FileNotFoundError):  # closed since, such as our own of this folder
+            found.append(str(descriptor.readlink()))
+    return found
 
 
 class Daemon:

@@ -13,7 +13,7 @@ from vsensor.config import Rig
 
 def run_at(rate: float, skipped: int, missed: int) -> Measured:
     beside = Wakes(np.zeros(1, np.int64), 10_000, missed)
-    return Measured(rate, LOADS[0], (0.0, 0.0), 10_000, skipped, beside, {}, 0.5, (0, 0), 1.0)
+    return Measured(rate, LOADS[0], (0.0, 0.0), 10_000, skipped, beside, {}, 0.5, (0, 0), 1.0, True)
 
 
 @pytest.mark.parametrize(

@@ -51,6 +51,15 @@ def test_each_state_has_its_colour() -> None:
     assert set(STYLES) == set(STATES)
 
 
+@pytest.mark.parametrize("kept_awake", [True, False])
+def test_the_page_tells_what_real_time_was_granted(kept_awake: bool) -> None:
+    granted = Status(rig="a", realtime="prefer", scheduling="SCHED_FIFO 40", kept_awake=kept_awake)
+    text = page(Panel(granted))
+    assert "prefer (SCHED_FIFO 40)" in text
+    assert ("processors kept awake" in text) is kept_awake
+    assert "memory locked" not in text
+
+
 def test_the_page_tells_what_is_wrong() -> None:
     channel = ChannelStatus(channel="surface/torque", accepted=1200, late=3, jumped=1, lost=2, age_s=4.0)
     status = Status(rig="a", state="input lost", channels=[channel], recording_trouble="the disk is full")

@@ -7,46 +7,27 @@ import shutil
 import signal
 import subprocess
 import sys
-import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TypeVar
 
 import pytest
 
-from tests.daemons import daemon, post
+from tests.daemons import daemon, open_files, post
 from tests.rigs import SHORT
+from tests.threads import in_a_thread
 from vsensor.config import Bus, Loop, Rig
 from vsensor.errors import ConfigError
 from vsensor.messages import Status
 from vsensor.recording.reader import Session
 from vsensor.service import realtime
+from vsensor.service.awake import DEVICE
 
-T = TypeVar("T")
 ALL = os.sched_getaffinity(0)
 LAST = max(ALL)
 
 
 def wanting(**asked: object) -> Loop:
     return Loop.model_validate({"rate": 50.0, **asked})
-
-
-def in_a_thread(work: Callable[[], T]) -> T:
-    """Run it in a thread of its own, whose scheduling ends with it."""
-    came: list[T | BaseException] = []
-
-    def run() -> None:
-        try:
-            came.append(work())
-        except BaseException as error:  # carried to the test's own thread
-            came.append(error)
-
-    thread = threading.Thread(target=run)
-    thread.start()
-    thread.join()
-    if isinstance(came[0], BaseException):
-        raise came[0]
-    return came[0]
 
 
 def refuse(*_asked: object) -> None:
@@ -207,7 +188,8 @@ def scheduling_of(pid: int) -> dict[int, int]:
 
 @pytest.fixture
 def preferring() -> Rig:
-    loop = SHORT.loop.model_copy(update={"realtime": "prefer", "processors": (LAST,)})
+    asked = {"realtime": "prefer", "processors": (LAST,), "stay_awake": True}
+    loop = SHORT.loop.model_copy(update=asked)
     return SHORT.model_copy(update={"loop": loop})
 
 
@@ -232,6 +214,8 @@ def test_the_daemon_tells_what_it_has_and_its_other_threads_and_recorder_have_no
         assert set(scheduling_of(sensor.recorder).values()) == {os.SCHED_OTHER}
         assert os.sched_getaffinity(sensor.recorder) == ALL
         assert status.memory_locked == (locked_kib(pid) > 0)
+        assert status.kept_awake == (str(DEVICE) in open_files(pid))
+        assert str(DEVICE) not in open_files(sensor.recorder)
         assert told in sensor.said
         assert sensor.end(signal.SIGTERM) == 0
         (session,) = sensor.sessions
@@ -249,5 +233,6 @@ def told_in(session: Path, status: Status) -> bool:
         metadata["scheduling"] == status.scheduling
         and metadata["loop_processors"] == status.processors
         and metadata["memory_locked"] == ("yes" if status.memory_locked else "no")
+        and metadata["kept_awake"] == ("yes" if status.kept_awake else "no")
         and metadata["realtime"] == status.realtime
     )

@@ -10,10 +10,11 @@ from typing import Any, cast
 
 import pytest
 
-from tests.daemons import Daemon, Post, daemon, post, wait_until
+from tests.daemons import Daemon, Post, daemon, open_files, post, wait_until
 from tests.rigs import SHORT
 from vsensor.config import Bus, Rig, effective_toml
 from vsensor.messages import SENSOR_EVENT, Event
+from vsensor.service.awake import DEVICE
 from vsensor.service.reload import Reload, changes, is_safe
 
 
@@ -22,19 +23,24 @@ def changed(**update: object) -> Rig:
 
 
 LONGER = changed(string=(SHORT.string[0].model_copy(update={"length": 1230.0}),))
-REALTIME = changed(loop=SHORT.loop.model_copy(update={"realtime": "prefer", "priority": 30}))
+ASKED = {"realtime": "prefer", "priority": 30, "stay_awake": True}
+REALTIME = changed(loop=SHORT.loop.model_copy(update=ASKED))
 
 
 def test_each_key_that_differs_is_named_with_what_it_was_and_is() -> None:
     assert changes(SHORT, SHORT) == {}
     assert changes(SHORT, LONGER) == {"string[1].length": "1200.0 → 1230.0"}
-    assert changes(SHORT, REALTIME) == {"loop.realtime": "off → prefer", "loop.priority": "40 → 30"}
+    assert changes(SHORT, REALTIME) == {
+        "loop.realtime": "off → prefer",
+        "loop.priority": "40 → 30",
+        "loop.stay_awake": "False → True",
+    }
     two = changed(string=(*SHORT.string, SHORT.string[0]))
     assert all(key.startswith("string[2].") for key in changes(SHORT, two))
 
 
 def test_only_what_no_estimate_hangs_on_is_safe() -> None:
-    assert is_safe("loop.realtime")
+    assert all(is_safe(f"loop.{key}") for key in ASKED)
     assert is_safe("view.history")
     for key in ("loop.rate", "string[1].length", "bus.prefix", "recording.folder", "viewer", "rig.name"):
         assert not is_safe(key)
@@ -134,11 +140,14 @@ def test_a_daemon_takes_up_safe_keys_and_refuses_the_rest(bus: Bus, tmp_path: Pa
         assert "taken up: loop.realtime off → prefer" in _told(rig, 3)
         status = rig.await_status(lambda status: status.realtime == "prefer", "another priority")
         assert status.scheduling in ("SCHED_FIFO 30", "SCHED_OTHER")
+        assert status.kept_awake == (str(DEVICE) in open_files(sensor.process.pid))
         _hang_up(sensor, lambda now: now)
         assert "loop.realtime prefer → off" in _told(rig, 4)
         status = rig.await_status(lambda status: status.realtime == "off", "the old priority")
         assert status.scheduling == "SCHED_OTHER"
         assert not status.memory_locked
+        assert not status.kept_awake
+        assert str(DEVICE) not in open_files(sensor.process.pid)
         assert sensor.end(signal.SIGTERM) == 0
 
 

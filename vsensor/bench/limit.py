@@ -40,6 +40,7 @@ def tables(
             f"seconds; keeps up: skips no more than that one misses, and {ALLOWED:.1%}"
             if cc
             else NO_COMPILER,
+            tried[0].condition,
         ),
     )
 

@@ -68,6 +68,13 @@ class Measured(NamedTuple):
     resident: tuple[int, int]
     """Bytes of the daemon's memory, before and after."""
     seconds: float
+    kept_awake: bool
+    """Whether the daemon kept the processors from their idle states, for itself and for all beside it."""
+
+    @property
+    def condition(self) -> str:
+        """That, in words."""
+        return f"processors {'kept' if self.kept_awake else 'not kept'} from idle states"
 
 
 def tables(rates_hz: Sequence[float], seconds: float, say: Callable[[str], None]) -> Iterator[Table]:
@@ -86,7 +93,8 @@ def tables(rates_hz: Sequence[float], seconds: float, say: Callable[[str], None]
 
 
 def _in_real_time(rig: Rig) -> Rig:
-    return rig.model_copy(update={"loop": rig.loop.model_copy(update={"realtime": "prefer"})})
+    asked = {"realtime": "prefer", "stay_awake": True}
+    return rig.model_copy(update={"loop": rig.loop.model_copy(update=asked)})
 
 
 def under_loads(
@@ -154,6 +162,7 @@ def _measure(
         (processor_s(pid) - took) / (lasted + 1.0),
         (held, resident_bytes(pid)),
         lasted,
+        after.kept_awake,
     )
 
 
@@ -226,9 +235,12 @@ def _lateness(measured: Sequence[Measured]) -> Table:
             *("C 50 %", "C 99 %", "C missed, ‰", "ratio 50 %", "ratio 99 %"),
         ),
         tuple(_lateness_row(one) for one in measured),
-        ("C: a bare loop on the same grid in the same seconds, with the daemon's scheduling",)
-        if any(one.beside for one in measured)
-        else (NO_COMPILER,),
+        (
+            "C: a bare loop on the same grid in the same seconds, with the daemon's scheduling"
+            if any(one.beside for one in measured)
+            else NO_COMPILER,
+            measured[0].condition,
+        ),
     )
 
 

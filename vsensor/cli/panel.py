@@ -134,7 +134,8 @@ def _loop(status: Status) -> RenderableType:
         values = (getattr(status, f"{field}_{share}_s") * 1e3 for share in ("p50", "p99"))
         table.add_row(name, *(f"{value:.2f} ms" for value in values), remark)
     realtime = f"{status.realtime} ({status.scheduling})"
-    table.add_row("real time", realtime, "", "memory locked" if status.memory_locked else "")
+    has = {"memory locked": status.memory_locked, "processors kept awake": status.kept_awake}
+    table.add_row("real time", realtime, "", ", ".join(words for words, there in has.items() if there))
     return table
 
 

@@ -28,12 +28,14 @@ class Loop(Table):
     realtime: Literal["off", "prefer", "require"] = "off"
     priority: int = Field(default=40, ge=1, le=98, strict=True, description="a number from 1 to 98")
     processors: tuple[Processor, ...] = Field(default=(), description="numbers from 0 on, such as [1]")
+    stay_awake: Switch = False
 
     @model_validator(mode="after")
-    def _processors_are_asked_for(self) -> Self:
-        if self.processors and self.realtime == "off":
+    def _real_time_is_asked_for(self) -> Self:
+        asked = [key for key in ("processors", "stay_awake") if getattr(self, key)]
+        if asked and self.realtime == "off":
             raise ValueError(
-                'processors are taken only with realtime = "prefer" or "require": write one of them'
+                f'{" and ".join(asked)}: only with realtime = "prefer" or "require": write one of them'
             )
         return self
 

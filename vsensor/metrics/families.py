@@ -71,6 +71,7 @@ GAUGES = {
     ),
     "friction_correction": ("friction_correction_ratio", "What the record corrected of the wall's friction."),
     "memory_locked": ("memory_locked", "Whether the daemon's memory is locked."),
+    "kept_awake": ("kept_awake", "Whether the machine's processors are kept from their idle states."),
     "recording_bytes": ("recording_bytes", "Size of the session that is being written."),
     "recording_free_bytes": ("recording_free_bytes", "Free space on its disk."),
     "inbox_waiting": (

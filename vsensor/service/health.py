@@ -194,6 +194,7 @@ class Health:
         status.scheduling = self.realtime.scheduling
         status.processors = ",".join(map(str, self.realtime.processors))
         status.memory_locked = self.realtime.memory_locked
+        status.kept_awake = self.realtime.kept_awake
 
     def _tell_of_estimator(self, status: Status) -> None:
         estimator = self._engine.estimator

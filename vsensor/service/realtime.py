@@ -1,7 +1,8 @@
 """What the system is asked for so that the loop wakes on time, and what it granted.
 
 Scheduling and processors are those of the calling thread alone: threads and processes that are already
-there keep theirs, and those that it starts later are ordinary ones (SCHED_RESET_ON_FORK).
+there keep theirs, and those that it starts later are ordinary ones (SCHED_RESET_ON_FORK). Locked memory and
+processors that are kept awake are the whole program's, for as long as it runs.
 """
 
 import contextlib
@@ -16,6 +17,7 @@ from typing import NamedTuple
 
 from vsensor.config import Loop
 from vsensor.errors import ConfigError
+from vsensor.service.awake import WakeRequest
 
 SWITCH_INTERVAL_S = 2e-4
 """How soon another thread of Python must yield to the loop: the default 5 ms is half a tick at 100 Hz."""
@@ -30,6 +32,8 @@ _IN_SPITE = (
     "or by a filter of system calls (systemd: RestrictRealtime=, SystemCallFilter=)"
 )
 
+_wake_request = WakeRequest()
+
 
 class Achieved(NamedTuple):
     """What the loop's thread has, whatever was asked for."""
@@ -43,6 +47,8 @@ class Achieved(NamedTuple):
     others: tuple[int, ...]
     """and on which all else of this program may."""
     memory_locked: bool
+    kept_awake: bool
+    """Whether processors are kept from their idle states."""
     refused: tuple[str, ...] = ()
     """What was not granted, and what would help."""
 
@@ -51,7 +57,8 @@ class Achieved(NamedTuple):
         """All of it in one line."""
         memory = "locked" if self.memory_locked else "not locked"
         where = ", ".join(map(str, self.processors))
-        return f"real-time {self.asked}: {self.scheduling} on processor {where}, memory {memory}"
+        awake = ", processors kept awake" if self.kept_awake else ""
+        return f"real-time {self.asked}: {self.scheduling} on processor {where}, memory {memory}{awake}"
 
     def as_metadata(self) -> dict[str, str]:
         """As text, for a session's metadata."""
@@ -60,6 +67,7 @@ class Achieved(NamedTuple):
             "scheduling": self.scheduling,
             "loop_processors": ",".join(map(str, self.processors)),
             "memory_locked": "yes" if self.memory_locked else "no",
+            "kept_awake": "yes" if self.kept_awake else "no",
         }
 
 
@@ -72,7 +80,7 @@ def achieve(loop: Loop, others: Collection[int] = ()) -> Achieved:
     if others:
         _step_back(others)
     others = tuple(sorted(os.sched_getaffinity(0)))
-    asked: tuple[Callable[[Loop], str], ...] = (_take_priority, _lock_memory, _take_processors)
+    asked: tuple[Callable[[Loop], str], ...] = (_take_priority, _lock_memory, _take_processors, _stay_awake)
     told = [ask(loop) for ask in asked] if loop.realtime != "off" else []
     refused = tuple(words for words in told if words)
     if refused and loop.realtime == "require":
@@ -81,7 +89,13 @@ def achieve(loop: Loop, others: Collection[int] = ()) -> Achieved:
         )
     locked = loop.realtime != "off" and not told[1]
     return Achieved(
-        loop.realtime, _scheduling(), tuple(sorted(os.sched_getaffinity(0))), others, locked, refused
+        loop.realtime,
+        _scheduling(),
+        tuple(sorted(os.sched_getaffinity(0))),
+        others,
+        locked,
+        _wake_request.stands,
+        refused,
     )
 
 
@@ -93,6 +107,7 @@ def _step_back(processors: Collection[int]) -> None:
         # Without CAP_SYS_NICE a thread may give back its priority, but not that its children have none.
         os.sched_setscheduler(0, os.SCHED_OTHER | os.SCHED_RESET_ON_FORK, os.sched_param(0))
     _libc().munlockall()
+    _wake_request.withdraw()
 
 
 def settle() -> None:
@@ -150,6 +165,10 @@ def _take_processors(loop: Loop) -> str:
     if (got := os.sched_getaffinity(0)) != set(loop.processors):
         return f"{asked}: only {sorted(got)}: {here}"
     return ""
+
+
+def _stay_awake(loop: Loop) -> str:
+    return _wake_request.make() if loop.stay_awake else ""
 
 
 def _scheduling() -> str:

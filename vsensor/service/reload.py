@@ -7,7 +7,7 @@ from typing import Any
 from vsensor.config import Rig, differences, load
 from vsensor.errors import ConfigError
 
-SAFE = ("loop.realtime", "loop.priority", "loop.processors", "view")
+SAFE = ("loop.realtime", "loop.priority", "loop.processors", "loop.stay_awake", "view")
 """Keys, or tables, that the estimates do not hang on, and that can be taken up between two ticks."""
 
 
