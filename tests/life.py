@@ -45,6 +45,7 @@ REFUSED = {
     "jumped": 1,
     "bad_at_source": 1,
     "over_rate": 0,
+    "strays": 0,
 }
 
 

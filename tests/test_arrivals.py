@@ -40,7 +40,7 @@ def at_once(intake: Intake, fed: list[tuple[str, Sample]], cut: int) -> list[Inp
 def plain(count: int, start: int = 0) -> list[tuple[str, Sample]]:
     """Both channels in turn, the speed 3 ms behind."""
     return [
-        (topic, Sample(time_ns=BEGUN + k * 10 * MS + late, value=float(k % 7), sequence=k))
+        (topic, Sample(time_ns=BEGUN + k * 10 * MS + late, value=(k % 7) / 50, sequence=k))
         for k in range(start, start + count)
         for topic, late in ((T, 0), (S, 3 * MS))
     ]

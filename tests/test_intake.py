@@ -49,9 +49,9 @@ def ticks(feed: Feed, intake: Intake | None = None) -> list[Input]:
 def test_samples_on_the_grid_pass_unchanged() -> None:
     values = [math.sin(k) * 1e4 for k in range(50)]
     feed = [reading(topic, k / 100, v) for k, v in enumerate(values) for topic in (T, S)]
-    limits = Intake(rig(PIPE, measurement={"speed_limit": 1e5}))
+    wide = {"speed_limit": 1e5, "speed_noise": 1e4, "torque_noise": 1e4}
 
-    assert ticks(feed, limits) == [
+    assert ticks(feed, Intake(rig(PIPE, measurement=wide))) == [
         Input(k, BEGUN + k * 10 * MS, v, v, Reason(0)) for k, v in enumerate(values)
     ]
 

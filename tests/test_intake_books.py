@@ -19,6 +19,7 @@ from vsensor.quality import Reason
 DEEDS = (
     "plain", "plain", "plain", "plain", "silence", "late", "doubled", "nan", "inf", "far", "unreadable",
     "forward", "backward", "ahead", "absurd", "hole", "restart", "bad", "uncertain", "unnumbered",
+    "wild",
 )  # fmt: skip
 Fed = list[tuple[str, Sample | None]]
 
@@ -39,7 +40,7 @@ class Source:
         leaps = {"silence": 5 * size, "forward": 1e6 * size, "backward": -1e6 * size, "late": -0.2 * size}
         self.time_ns += 10 * MS + round(leaps.get(deed, 0.0) * NS)
         self.sequence = 0 if deed == "restart" else self.sequence + 1 + round(9 * size) * (deed == "hole")
-        values = {"nan": math.nan, "inf": math.copysign(math.inf, size - 0.5), "far": 1e7}
+        values = {"nan": math.nan, "inf": math.copysign(math.inf, size - 0.5), "far": 1e7, "wild": -4e4}
         sample = Sample(time_ns=self.time_ns, value=values.get(deed, 50 * size), sequence=self.sequence)
         if deed == "ahead":
             sample.time_ns += round(2 * size * NS)
@@ -141,9 +142,10 @@ def test_what_cannot_be_believed_is_refused_for_its_reason(sample: Sample | None
 
 def test_limits_hold_at_the_motors_side_of_the_gear() -> None:
     geared = Intake(rig(PIPE, top_drive={"gear_ratio": 8.0}, measurement={"speed_limit": 30.0}))
-    ticks([reading(S, 0, 239.9), reading(S, 0.01, -239.9), reading(S, 0.02, 240.1)], geared)
-    assert geared.channels[S].counts.accepted == 2
-    assert geared.channels[S].counts.out_of_range == 1
+    limits = [-240.1, -239.9, -239.9, 239.9, 239.9, 240.1]
+    ticks([reading(S, k / 100, value) for k, value in enumerate(limits)], geared)
+    assert geared.channels[S].counts.accepted == 4
+    assert geared.channels[S].counts.out_of_range == 2
 
 
 def test_what_the_source_calls_uncertain_is_used_and_flagged_where_it_takes_part() -> None:

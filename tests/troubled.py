@@ -10,7 +10,8 @@ from tests.rigs import NS
 from vsensor.bus import Outbox
 from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Sample
 
-CHANNELS = (SURFACE_TORQUE, SURFACE_SPEED)
+WILD = {SURFACE_TORQUE: 3e4, SURFACE_SPEED: 40.0}
+CHANNELS = tuple(WILD)
 
 
 @dataclass
@@ -56,11 +57,13 @@ class TroubledRig:
             self._put(*self._held.pop())
 
     def end(self) -> None:
-        """Send what was held back, and a last sample each: no hole is left unseen."""
+        """Send what was held back, and two last samples each: no hole is unseen, and none waits for more."""
         self.flush()
-        time_ns = time.time_ns() + self.shift_ns
-        for topic in CHANNELS:
-            self._put(topic, Sample(time_ns=time_ns, value=10.0, sequence=self._sequence[topic]))
+        for _ in range(2):
+            time_ns = time.time_ns() + self.shift_ns
+            for topic in CHANNELS:
+                self._put(topic, Sample(time_ns=time_ns, value=10.0, sequence=self._sequence[topic]))
+                self._sequence[topic] += 1
 
     def _send_all(self, at_s: float) -> None:
         swing = math.sin(2 * math.pi * at_s / 4)
@@ -77,7 +80,11 @@ class TroubledRig:
     def _suffer(self, topic: str, sample: Sample) -> None:
         """One in some hundred samples does not come as it should."""
         fate = self._random.random()
-        if fate > 0.008:
+        if fate > 0.010:
+            self._put(topic, sample)
+        elif fate > 0.008:
+            self.books.faults["wild"] += 1
+            sample.value = WILD[topic] * self._random.choice((-1, 1))
             self._put(topic, sample)
         elif fate > 0.006:
             self.books.faults["withheld"] += 1

@@ -1,10 +1,11 @@
 """One surface channel: what is refused and why, and the samples that the grid still needs."""
 
 import math
-from bisect import insort
+from bisect import bisect
 from itertools import pairwise
 from typing import Any, NamedTuple
 
+from vsensor.intake.leaps import Leaps
 from vsensor.messages import ChannelStatus, Sample
 from vsensor.quality import Quality, Reason
 from vsensor.saved import Saved
@@ -38,7 +39,7 @@ class Point(NamedTuple):
 class Channel:
     """One channel: what is refused and why, and the points that the grid still needs."""
 
-    def __init__(self, name: str, limit: float, stale: Reason) -> None:
+    def __init__(self, name: str, limit: float, noise: float, stale: Reason) -> None:
         self.counts = ChannelStatus(
             channel=name,
             received=0,
@@ -52,22 +53,29 @@ class Channel:
             jumped=0,
             bad_at_source=0,
             over_rate=0,
+            strays=0,
         )
         self._stale = int(stale)
         self.limit = limit
+        self.leaps = Leaps(noise, limit)
         self.next_sequence: int | None = None
         self.pace_ns: int | None = None
         """How far apart its two newest samples are."""
         self.waiting: Point | None = None
-        """A sample far ahead of the others, which the next one must bear out."""
+        """A sample far ahead of the others, or whose value leaps, which the next one must bear out."""
         self._missing: set[int] = set()
         self._unread = 0
         self.forget()
 
     def forget(self) -> None:
-        """Begin anew, as before the first sample; counts and pace stay."""
+        """Begin anew, as before the first sample; counts, pace and what is usual stay."""
+        if self.waiting is not None:
+            if self._leaps(self.waiting):
+                self.counts.strays += 1
+            else:
+                self.counts.jumped += 1
+        self.waiting = None
         self.points: list[Point] = []
-        self._drop()
 
     @property
     def newest_ns(self) -> int | None:
@@ -125,34 +133,69 @@ class Channel:
         """Keep a sample in its place in time, unless that has passed or is taken.
 
         One that comes more than a gap before it is due waits for the next, which bears it out by being later
-        still, and not by lying before it: else a single stray would stand for all up to its time.
+        still, and not by lying before it: else a single stray would stand for all up to its time. One whose
+        value leaps waits for the next as well: see `settle`.
         """
         reasons = _SOURCE_UNCERTAIN if sample.quality == _UNCERTAIN else 0
         point = Point(sample.time_ns, sample.value, reasons)
-        newest = self.newest_ns
-        if self.waiting is not None and newest is not None and point.time_ns > newest:
-            if point.time_ns == self.waiting.time_ns:
-                self.counts.doubled += 1
-                return
-            if point.time_ns > self.waiting.time_ns:
-                self.bear_out(consumed_ns)
-            self._drop()
-        newest, pace_ns = self.newest_ns, self.pace_ns
-        if newest is not None and pace_ns is not None and point.time_ns - newest > pace_ns + max_gap_ns:
-            self.waiting = point
-        else:
-            self._accept(point, consumed_ns)
-
-    def bear_out(self, consumed_ns: int | None) -> None:
-        """Accept the sample that waits."""
-        if self.waiting is not None:
-            point, self.waiting = self.waiting, None
-            self._accept(point, consumed_ns)
-
-    def _drop(self) -> None:
-        if self.waiting is not None:
+        waiting = self.waiting
+        if waiting is None or point.time_ns <= self.points[-1].time_ns:
+            self._take_up(point, consumed_ns, max_gap_ns)
+        elif point.time_ns == waiting.time_ns:
+            self.counts.doubled += 1
+        elif point.time_ns > waiting.time_ns:
+            self.settle(point.value, consumed_ns)
+            self._take_up(point, consumed_ns, max_gap_ns)
+        elif self._is_ahead(waiting, max_gap_ns):
             self.waiting = None
             self.counts.jumped += 1
+            self._take_up(point, consumed_ns, max_gap_ns)
+        else:  # the two came in the wrong order
+            self.waiting = None
+            self._take_up(point, consumed_ns, max_gap_ns)
+            self.settle(waiting.value, consumed_ns)
+            self._take_up(waiting, consumed_ns, max_gap_ns)
+
+    def settle(self, value: float, consumed_ns: int | None) -> None:
+        """Accept the sample that waits, unless its value leaps and `value`, the next one's, is no nearer."""
+        if self.waiting is not None:
+            point, self.waiting = self.waiting, None
+            if self._is_stray(point, self.points[-1], value):
+                self.counts.strays += 1
+            else:
+                self._accept(point, consumed_ns)
+
+    def patience_ns(self, max_gap_ns: int) -> int:
+        """For how much longer than a gap the other channel may wait for the next sample of this one."""
+        if self.waiting is None or self.pace_ns is None or self._is_ahead(self.waiting, max_gap_ns):
+            return 0
+        return self.pace_ns
+
+    def _take_up(self, point: Point, consumed_ns: int | None, max_gap_ns: int) -> None:
+        """Accept a sample that no other must wait for, or let it wait."""
+        newest = self.points[-1] if self.points else None
+        if newest is not None and point.time_ns > newest.time_ns:
+            change = abs(point.value - newest.value)
+            leaps = self.leaps.is_one(change)
+            self.leaps.note(change)
+            if leaps or self._is_ahead(point, max_gap_ns):
+                self.waiting = point
+                return
+        self._accept(point, consumed_ns)
+
+    def _is_ahead(self, point: Point, max_gap_ns: int) -> bool:
+        """Whether one behind the newest comes more than a gap before it is due."""
+        return (
+            self.pace_ns is not None and point.time_ns - self.points[-1].time_ns > self.pace_ns + max_gap_ns
+        )
+
+    def _leaps(self, point: Point) -> bool:
+        return self.leaps.is_one(abs(point.value - self.points[-1].value))
+
+    def _is_stray(self, point: Point, before: Point, behind: float) -> bool:
+        """Whether a value leaps, and the one behind it lies nearer to the one before."""
+        leaps = self.leaps.is_one(abs(point.value - before.value))
+        return leaps and abs(behind - point.value) >= abs(behind - before.value)
 
     def _accept(self, point: Point, consumed_ns: int | None) -> None:
         newest = self.newest_ns
@@ -167,7 +210,11 @@ class Channel:
             self.counts.late += 1
             return
         else:
-            insort(self.points, point)
+            at = bisect(self.points, point)
+            if at and self._is_stray(point, self.points[at - 1], self.points[at].value):
+                self.counts.strays += 1
+                return
+            self.points.insert(at, point)
         self.counts.accepted += 1
 
     def save(self) -> dict[str, Any]:
@@ -178,10 +225,11 @@ class Channel:
             "waiting": None if self.waiting is None else list(self.waiting),
             "next_sequence": self.next_sequence,
             "missing": sorted(self._missing),
+            "leaps": self.leaps.save(),
         }
 
     def restore(self, saved: Saved) -> None:
-        """Take up what `save` gave, or an older version, in which none waited; the counts stay.
+        """Take up what `save` gave, or an older version, which waited for none; the counts stay.
 
         Raises ValueError for what it cannot have given.
         """
@@ -195,6 +243,8 @@ class Channel:
         if len(missing) > REMEMBERED:
             raise saved["missing"].wrong(f"a list of {REMEMBERED} at the most")
         self._missing = {number.whole(0, (1 << 64) - 1) for number in missing}
+        self.leaps.forget()
+        saved.get("leaps", None).or_none(self.leaps.restore)
 
     def _point(self, saved: Saved) -> Point:
         time_ns, value, flags = saved.row(3)

@@ -56,8 +56,12 @@ class Intake:
         self.max_gap_ns = round(measured.max_gap * NS)
         self._restart_gap_ns = round(measured.restart_gap * NS)
         turns = rig.top_drive.gear_ratio
-        self._torque = Channel(SURFACE_TORQUE, measured.torque_limit / turns, Reason.STALE_TORQUE)
-        self._speed = Channel(SURFACE_SPEED, measured.speed_limit * turns, Reason.STALE_SPEED)
+        self._torque = Channel(
+            SURFACE_TORQUE, measured.torque_limit / turns, measured.torque_noise, Reason.STALE_TORQUE
+        )
+        self._speed = Channel(
+            SURFACE_SPEED, measured.speed_limit * turns, measured.speed_noise, Reason.STALE_SPEED
+        )
         self.channels = {SURFACE_TORQUE: self._torque, SURFACE_SPEED: self._speed}
         self.depths = Depths(rig)
         self.frozen = Frozen(rig)
@@ -104,7 +108,7 @@ class Intake:
         self.depths.restore(saved["depths"])
         self.frozen.forget()
         saved.get("frozen", None).or_none(self.frozen.restore)
-        reach_ns = 2 * (self._restart_gap_ns + self.max_gap_ns)
+        reach_ns = 3 * self._restart_gap_ns + 2 * self.max_gap_ns
         laid = Laid(self._anchor_ns, self._number, self._consumed_ns)
         refuse_unsound(saved, laid, self._grid, self.channels, reach_ns)
 
@@ -128,7 +132,7 @@ class Intake:
         if channel.believes(sample):
             waiting = channel.waiting
             if waiting is not None and 0 < sample.time_ns - waiting.time_ns <= self._restart_gap_ns:
-                channel.bear_out(self._consumed_ns)
+                channel.settle(sample.value, self._consumed_ns)
             if self._in_time(topic, channel, sample.time_ns):
                 channel.take(sample, self._consumed_ns, self.max_gap_ns)
         channel.follow(sample)
@@ -261,6 +265,8 @@ class Intake:
 
     def _value(self, channel: Channel, other: Channel, time_ns: int) -> tuple[float, int] | None:
         value = channel.at(time_ns, self.max_gap_ns)
-        if value is None and other.has_gone_on(time_ns, self.max_gap_ns):
-            return channel.held()
+        if value is None:
+            patience_ns = min(channel.patience_ns(self.max_gap_ns), self._restart_gap_ns)
+            if other.has_gone_on(time_ns, self.max_gap_ns + patience_ns):
+                return channel.held()
         return value

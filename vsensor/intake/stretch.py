@@ -43,6 +43,8 @@ class Track(NamedTuple):
     channel: Channel
     times: Integers
     values: Floats
+    changes: Floats
+    """From each sample to the next that comes, shape (new,)."""
     new: int
     sequence: int | None
     """The last number, None where they have none."""
@@ -62,13 +64,16 @@ class Track(NamedTuple):
         ordered = bool(np.all((gaps > 0) & (gaps <= limits[1])))
         believed = bool(np.all(np.abs(arrivals.value) <= limits[0]))
         told = bool(np.all((arrivals.quality == 0) | (arrivals.quality == Quality.GOOD)))
+        changes = np.abs(np.diff(values[len(held) - 1 :]))
         if not (ordered and believed and told and abs(int(times[-1])) <= FARTHEST_NS):
+            return None
+        if not channel.leaps.none_among(changes):
             return None
         numbered = bool(arrivals.numbered.any())
         if numbered and not _in_sequence(channel, arrivals):
             return None
         last = int(arrivals.sequence[-1]) if numbered else None
-        return Track(channel, times, values, len(arrivals.time_ns), last)
+        return Track(channel, times, values, changes, len(arrivals.time_ns), last)
 
     def at(self, time_ns: Integers) -> Floats:
         """The values at times between its first and last, by the intake's own arithmetic."""
@@ -85,6 +90,7 @@ class Track(NamedTuple):
         kept = zip(self.times[first:].tolist(), self.values[first:].tolist(), strict=True)
         self.channel.pace_ns = int(self.times[-1] - self.times[-2])
         self.channel.points = [Point(time_ns, value, 0) for time_ns, value in kept]
+        self.channel.leaps.note_all(self.changes)
         self.channel.counts.received += self.new
         self.channel.counts.accepted += self.new
         if self.sequence is not None:

@@ -11,8 +11,9 @@ REFUSALS = (
     "jumped",
     "bad_at_source",
     "over_rate",
+    "strays",
 )
-"""The reasons, as fields of ChannelStatus: received = accepted + the sum of these."""
+"""The reasons, as fields of ChannelStatus: received = accepted + the sum of these + one that may wait."""
 
 
 LOSSES = ("lost", *REFUSALS)

@@ -647,6 +647,7 @@ class ChannelStatus(_message.Message):
     JUMPED_FIELD_NUMBER: _builtins.int
     BAD_AT_SOURCE_FIELD_NUMBER: _builtins.int
     AGE_S_FIELD_NUMBER: _builtins.int
+    STRAYS_FIELD_NUMBER: _builtins.int
     OVER_RATE_FIELD_NUMBER: _builtins.int
     channel: _builtins.str
     received: _builtins.int
@@ -664,6 +665,8 @@ class ChannelStatus(_message.Message):
     """called bad by the source itself"""
     age_s: _builtins.float
     """since the last accepted sample, our monotonic clock"""
+    strays: _builtins.int
+    """a value far from those before and behind it"""
     over_rate: _builtins.int
     """came faster than max_rate, and were not looked at"""
     def __init__(
@@ -681,11 +684,12 @@ class ChannelStatus(_message.Message):
         jumped: _builtins.int | None = ...,
         bad_at_source: _builtins.int | None = ...,
         age_s: _builtins.float | None = ...,
+        strays: _builtins.int | None = ...,
         over_rate: _builtins.int | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_accepted", b"_accepted", "_age_s", b"_age_s", "_bad_at_source", b"_bad_at_source", "_channel", b"_channel", "_doubled", b"_doubled", "_jumped", b"_jumped", "_late", b"_late", "_lost", b"_lost", "_not_finite", b"_not_finite", "_out_of_range", b"_out_of_range", "_over_rate", b"_over_rate", "_received", b"_received", "_unreadable", b"_unreadable", "accepted", b"accepted", "age_s", b"age_s", "bad_at_source", b"bad_at_source", "channel", b"channel", "doubled", b"doubled", "jumped", b"jumped", "late", b"late", "lost", b"lost", "not_finite", b"not_finite", "out_of_range", b"out_of_range", "over_rate", b"over_rate", "received", b"received", "unreadable", b"unreadable"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_accepted", b"_accepted", "_age_s", b"_age_s", "_bad_at_source", b"_bad_at_source", "_channel", b"_channel", "_doubled", b"_doubled", "_jumped", b"_jumped", "_late", b"_late", "_lost", b"_lost", "_not_finite", b"_not_finite", "_out_of_range", b"_out_of_range", "_over_rate", b"_over_rate", "_received", b"_received", "_strays", b"_strays", "_unreadable", b"_unreadable", "accepted", b"accepted", "age_s", b"age_s", "bad_at_source", b"bad_at_source", "channel", b"channel", "doubled", b"doubled", "jumped", b"jumped", "late", b"late", "lost", b"lost", "not_finite", b"not_finite", "out_of_range", b"out_of_range", "over_rate", b"over_rate", "received", b"received", "strays", b"strays", "unreadable", b"unreadable"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_accepted", b"_accepted", "_age_s", b"_age_s", "_bad_at_source", b"_bad_at_source", "_channel", b"_channel", "_doubled", b"_doubled", "_jumped", b"_jumped", "_late", b"_late", "_lost", b"_lost", "_not_finite", b"_not_finite", "_out_of_range", b"_out_of_range", "_over_rate", b"_over_rate", "_received", b"_received", "_unreadable", b"_unreadable", "accepted", b"accepted", "age_s", b"age_s", "bad_at_source", b"bad_at_source", "channel", b"channel", "doubled", b"doubled", "jumped", b"jumped", "late", b"late", "lost", b"lost", "not_finite", b"not_finite", "out_of_range", b"out_of_range", "over_rate", b"over_rate", "received", b"received", "unreadable", b"unreadable"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_accepted", b"_accepted", "_age_s", b"_age_s", "_bad_at_source", b"_bad_at_source", "_channel", b"_channel", "_doubled", b"_doubled", "_jumped", b"_jumped", "_late", b"_late", "_lost", b"_lost", "_not_finite", b"_not_finite", "_out_of_range", b"_out_of_range", "_over_rate", b"_over_rate", "_received", b"_received", "_strays", b"_strays", "_unreadable", b"_unreadable", "accepted", b"accepted", "age_s", b"age_s", "bad_at_source", b"bad_at_source", "channel", b"channel", "doubled", b"doubled", "jumped", b"jumped", "late", b"late", "lost", b"lost", "not_finite", b"not_finite", "out_of_range", b"out_of_range", "over_rate", b"over_rate", "received", b"received", "strays", b"strays", "unreadable", b"unreadable"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__accepted: _TypeAlias = _typing.Literal["accepted"]  # noqa: Y015
     _WhichOneofArgType__accepted: _TypeAlias = _typing.Literal["_accepted", b"_accepted"]  # noqa: Y015
@@ -711,6 +715,8 @@ class ChannelStatus(_message.Message):
     _WhichOneofArgType__over_rate: _TypeAlias = _typing.Literal["_over_rate", b"_over_rate"]  # noqa: Y015
     _WhichOneofReturnType__received: _TypeAlias = _typing.Literal["received"]  # noqa: Y015
     _WhichOneofArgType__received: _TypeAlias = _typing.Literal["_received", b"_received"]  # noqa: Y015
+    _WhichOneofReturnType__strays: _TypeAlias = _typing.Literal["strays"]  # noqa: Y015
+    _WhichOneofArgType__strays: _TypeAlias = _typing.Literal["_strays", b"_strays"]  # noqa: Y015
     _WhichOneofReturnType__unreadable: _TypeAlias = _typing.Literal["unreadable"]  # noqa: Y015
     _WhichOneofArgType__unreadable: _TypeAlias = _typing.Literal["_unreadable", b"_unreadable"]  # noqa: Y015
     @_typing.overload
@@ -737,6 +743,8 @@ class ChannelStatus(_message.Message):
     def WhichOneof(self, oneof_group: _WhichOneofArgType__over_rate) -> _WhichOneofReturnType__over_rate | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__received) -> _WhichOneofReturnType__received | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__strays) -> _WhichOneofReturnType__strays | None: ...
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__unreadable) -> _WhichOneofReturnType__unreadable | None: ...
 
