@@ -11,10 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vsensor.estimator.ahead import stick_steps, time_to
+from vsensor.estimator.ahead import asked, time_to
 from vsensor.estimator.exponential import exponential
 from vsensor.estimator.learn import load_in_force
 from vsensor.estimator.load import CLOSE, MOST, Load, foot, law
+from vsensor.estimator.score import HORIZONS
 from vsensor.estimator.sections import Floats, Integers, Line
 from vsensor.estimator.state import BIT, Model, State
 from vsensor.jit import COMPILED, compiled
@@ -37,6 +38,8 @@ class Room(NamedTuple):
     """The waves f at the sections' tops as of each tick, the last round trip of each, shape (LANES, …);"""
     waves: Floats
     """and as the marches go on: of each section a delay line, shape (M, longest, LANES)."""
+    held: Floats
+    """The newest f of the top section, which is taken to stay so, shape (LANES,)."""
     rows: Integers
     """The row of each section's line that stands at its bottom, and is entered anew, shape (M,)."""
     speeds: Floats
@@ -56,10 +59,11 @@ class Room(NamedTuple):
 def room_for(model: Model) -> Room:
     """Room for the marches of a model, whatever its delays are corrected to."""
     sections, longest = len(model.inside), int(model.inside.sum())
-    steps = model.behind * model.steps + longest
+    steps = model.behind * model.steps + longest + model.lasting
     return Room(
         kept=np.zeros((LANES, longest)),
         waves=np.zeros((sections, int(model.inside.max()), LANES)),
+        held=np.zeros(LANES),
         rows=np.zeros(sections, np.int64),
         speeds=np.zeros((sections + 1, LANES)),
         bits=np.zeros(10 * LANES),
@@ -73,9 +77,9 @@ def room_for(model: Model) -> Room:
 def most_abreast(model: Model) -> int:
     """So many ticks may wait for their marches: until the first is scored, and the law learned from it.
 
-    One where a march is spread over ticks, or reads on where nothing is known of the top any more.
+    One where a march is spread over ticks.
     """
-    if not COMPILED or model.shares > 1 or model.forecast > model.line.round_trip.sum():
+    if not COMPILED or model.shares > 1:
         return 1
     return min(LANES, model.lag + model.now // model.steps)
 
@@ -133,11 +137,12 @@ def march_abreast(model: Model, room: Room, steps: int) -> None:
             above, below = room.waves[i, room.rows[i]], room.waves[i + 1, room.rows[i + 1]]
             _pass_junction(line, i, above, below, room.speeds[i + 1])
             matters -= line.round_trip[i]
+        _copy(room.held, room.waves[0, room.rows[0]])
         for i in range(last + 1):
             row = room.rows[i] + 1
             room.rows[i] = row if row < line.round_trip[i] else 0
     room.asked[:] = 0
-    if steps >= model.forecast:
+    if steps >= asked(model, HORIZONS):
         _see_sticks(model, room)
 
 
@@ -150,6 +155,7 @@ def _lay(line: Line, room: Room) -> None:
             for lane in range(LANES):
                 room.waves[i, row, lane] = room.kept[lane, before + row]
         before += line.round_trip[i]
+    _copy(room.waves[0, line.round_trip[0] - 1], room.held)
     room.rows[:] = 0
 
 
@@ -260,13 +266,12 @@ def _pass_junction(line: Line, i: int, above: Floats, below: Floats, speeds: Flo
 @compiled
 def _see_sticks(model: Model, room: Room) -> None:
     """Look when each bit is foretold to stick."""
-    lasting = stick_steps(model)
     rests, sticks = room.rests, room.sticks
     rests[:] = 0
     sticks[:] = math.nan
-    for step in range(max(0, model.now - lasting), model.forecast):
-        speeds, since = room.told[0, step], time_to(model, step + 1 - lasting)
+    for step in range(max(0, model.now - model.lasting), asked(model, HORIZONS)):
+        speeds, since = room.told[0, step], time_to(model, step + 1 - model.lasting)
         for lane in range(LANES):
             rests[lane] = rests[lane] + 1 if speeds[lane] == 0 else 0
-            begins = (rests[lane] == lasting) & math.isnan(sticks[lane])
+            begins = (rests[lane] == model.lasting) & math.isnan(sticks[lane])
             sticks[lane] = since if begins else sticks[lane]

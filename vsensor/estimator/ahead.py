@@ -7,6 +7,7 @@ REFRESH_HZ times a second is enough. Where ticks come faster, a march is spread 
 import math
 
 from vsensor.estimator.learn import load_in_force
+from vsensor.estimator.score import HORIZONS
 from vsensor.estimator.state import BIT, END, NEXT, NONE, TOLD, Model, State
 from vsensor.estimator.sweep import BALANCE, EXTERNAL, Span, sweep
 from vsensor.jit import compiled
@@ -15,8 +16,6 @@ REFRESH_HZ = 100.0
 """So many marches are begun in a second, at the most:"""
 WORTH = 0.02
 """or more, for it is read no further beyond what was known when it set out than so much of a round trip."""
-STICK_S = 0.1
-"""A bit foretold to rest for so long sticks: shorter stops are the turning points of an oscillation."""
 
 
 def shares_of(rate: float, round_trip: float) -> int:
@@ -28,6 +27,14 @@ def shares_of(rate: float, round_trip: float) -> int:
 def read_beyond(shares: int, steps: int) -> int:
     """Steps that a march goes further than is asked: it is read until the next has caught up."""
     return 2 * (shares - 1) * steps
+
+
+@compiled
+def asked(model: Model, kinds: int) -> int:
+    """Steps to be told of for the first horizons; for the last of them so many more that a bit which stops
+    before it is seen to stick. What the top will do then has not been heard: it is taken to stay as it is.
+    """
+    return int(model.horizons[kinds - 1]) + (model.lasting if kinds == HORIZONS else 0)
 
 
 @compiled
@@ -77,21 +84,14 @@ def _go_on(model: Model, state: State, unknown: int, until: int) -> None:
 @compiled
 def stick_ahead(model: Model, state: State) -> float:
     """Time from now until the bit is foretold to stick, s; 0 while it does; NaN where it does not."""
-    lasting = stick_steps(model)
     first = state.ticks[0] * model.steps + model.steps
     mask = state.ahead.shape[1] - 1
     rests = 0
-    for step in range(max(0, model.now - lasting), model.forecast):
+    for step in range(max(0, model.now - model.lasting), asked(model, HORIZONS)):
         rests = rests + 1 if state.ahead[0, (first + step) & mask] == 0 else 0
-        if rests == lasting:
+        if rests == model.lasting:
             return time_to(model, step + 1 - rests)
     return math.nan
-
-
-@compiled
-def stick_steps(model: Model) -> int:
-    """For so many steps at rest a bit sticks."""
-    return math.ceil(STICK_S / (1.0 / (model.rate * model.steps)))
 
 
 @compiled

@@ -14,6 +14,8 @@ from vsensor.estimator.sections import Integers, Line, longest_round_trips
 from vsensor.estimator.state import SHADOW_DELAY, Model, shadowed
 from vsensor.estimator.tune import BOUND
 
+STICK_S = 0.1
+"""A bit foretold to rest for so long sticks: shorter stops are the turning points of an oscillation."""
 ROUND_TRIPS = 2
 """After so many the waves that were guessed at the start, those of steady rotation, are forgotten."""
 
@@ -62,6 +64,7 @@ def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
         forecast=0,
         horizons=np.zeros(HORIZONS, np.int64),
         horizon=horizon,
+        lasting=math.ceil(STICK_S / (1.0 / (rate * steps))),
         span=behind + lag + -(-ROUND_TRIPS * round_trip // steps),
         fade=rock_fade(rate * steps),
         shares=shares,

@@ -82,6 +82,8 @@ class Model(NamedTuple):
     """From the newest step to those for which predictions are scored: now to the forecast, shape (H,)."""
     horizon: int
     """How far after the present the forecast may reach, in steps; the waves may end it sooner."""
+    lasting: int
+    """A bit that rests for so many steps sticks."""
     span: int
     """Ticks for which an input takes part in the confirmed answer."""
     fade: float
@@ -207,7 +209,7 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
     back = model.lag * model.steps + max(longest, ramp)
     half = longest // 2
     forecast = model.behind * model.steps + half + min(half, model.horizon)
-    ahead = forecast + 2 * model.shares * model.steps
+    ahead = forecast + model.lasting + 2 * model.shares * model.steps
     size = 1 << int(ahead + back + model.steps).bit_length()
     level = len(model.gains.levels) // 2
     return State(

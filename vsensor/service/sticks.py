@@ -7,10 +7,14 @@ from vsensor.estimator.figures import STUCK_SPEED
 from vsensor.grid import NS
 from vsensor.messages import Estimate
 
-LEAD_S = 0.2
-"""A stick nearer than this is no longer announced: nobody could act on it."""
+LEAD_NS = NS // 5
+LEAD_SHARE = 0.25
+"""A stick nearer than this, or on a short string than this share of what is seen ahead, is no longer
+announced: nobody could act on it."""
 AGREED = 3
-"""So many ticks must foretell it one after the other."""
+AGREED_SHARE = 0.1
+"""So many ticks must foretell it one after the other, but no more than take this share of what is seen ahead
+after the first."""
 LASTING_NS = NS // 10
 """A confirmed bit that rests for so long sticks."""
 TOLERANCE_NS = 3 * NS // 10
@@ -29,6 +33,7 @@ class Sticks:
     """What is foretold, and how often it came true."""
 
     def __init__(self, rig: Rig) -> None:
+        self._rate = rig.loop.rate
         self._lasting = max(1, round(LASTING_NS / NS * rig.loop.rate))
         self._pending: list[Announcement] = []
         self._agreeing = 0
@@ -57,18 +62,20 @@ class Sticks:
         """Look at one tick's estimate; the announcement of a stick that has just become due."""
         if estimate.HasField("confirmed_time_ns"):
             self._hold_against(estimate.confirmed_time_ns, abs(estimate.confirmed_bit_speed_rad_s))
-        if not estimate.HasField("stick_in_s") or estimate.stick_in_s < LEAD_S:
+        if not (estimate.HasField("stick_in_s") and estimate.HasField("forecast_time_ns")):
             self._agreeing = 0
             return None
-        self._agreeing += 1
-        return self._announce(estimate.time_ns, estimate.time_ns + round(estimate.stick_in_s * NS))
+        ahead_ns, due_ns = estimate.forecast_time_ns - estimate.time_ns, round(estimate.stick_in_s * NS)
+        self._agreeing = self._agreeing + 1 if due_ns >= min(LEAD_NS, LEAD_SHARE * ahead_ns) else 0
+        needed = min(AGREED, 1 + int(AGREED_SHARE * ahead_ns / NS * self._rate))
+        return self._announce(estimate.time_ns, estimate.time_ns + due_ns, needed) if self._agreeing else None
 
-    def _announce(self, now_ns: int, expected_ns: int) -> Announcement | None:
+    def _announce(self, now_ns: int, expected_ns: int, needed: int) -> Announcement | None:
         last = self._pending[-1] if self._pending else None
         if last is not None and abs(expected_ns - last.expected_ns) <= TOLERANCE_NS:
             last.expected_ns = expected_ns
             return None
-        if self._agreeing < AGREED:
+        if self._agreeing < needed:
             return None
         self._pending.append(Announcement(now_ns, expected_ns))
         return self._pending[-1]
