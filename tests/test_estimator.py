@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.strings import BIT, COLLAR, DRIVE, PIPE, rig
-from vsensor.config import Rig
+from vsensor.config import Component, Rig
 from vsensor.estimator.estimator import Estimates, Estimator
 from vsensor.estimator.kernel import CONFIRMED, FORECAST, NOW, SPEED, SPEED_STD, STICK, TORQUE, TORQUE_STD
 from vsensor.estimator.score import MEMORY_S
@@ -310,3 +310,20 @@ def test_behind_a_gear_the_string_is_the_same(answers: Estimates) -> None:
     np.testing.assert_array_equal(np.isnan(out.values), np.isnan(answers.values))
     told = out.values[:2000, CONFIRMED + SPEED]
     np.testing.assert_allclose(told, answers.values[:2000, CONFIRMED + SPEED], atol=1e-6)
+
+
+def test_a_rod_in_a_laboratory_is_told_as_a_well_is() -> None:
+    """30 m of 10 mm, and a brake of some newton metres: what is restless there is far less than any rock."""
+    rod = Component(length=30.0, outer_diameter=0.01, inner_diameter=0.0, viscous_friction=2e-4)
+    brake = {"inertia": 0.3, "viscous_friction": 0.05, "kinetic_torque": 4.0, "static_torque": 9.0}
+    noise = {"torque_noise": 0.1, "speed_noise": 0.01}
+    of = rig(rod, rate=500.0, bit=brake, top_drive={"inertia": 2.0}, measurement=noise)
+    readings = record(of, Scenario.STICK_SLIP, 30.0)
+    estimator = Estimator(of)
+    told = estimator.run(readings[:, 1], readings[:, 2]).values
+    seen, bit = slice(5000, None), Reading._fields.index("bit_speed")
+    late = np.interp(readings[:, 0] - estimator.confirmed_delay, readings[:, 3], readings[:, bit])
+    swing = np.ptp(readings[seen, bit])
+    assert np.std((told[:, CONFIRMED] - late)[seen]) < 0.03 * swing
+    assert np.std((told[:, NOW] - readings[:, bit])[seen]) < 0.1 * swing
+    assert estimator.rock_std < 2.0

@@ -12,7 +12,7 @@ from tests.naive_kalman import PAST, Columns, Steady, steady
 from tests.strings import COLLAR, PIPE
 from vsensor.config import Component
 from vsensor.estimator.along import stations
-from vsensor.estimator.gains import ROCK_LEVELS, Gains, gains
+from vsensor.estimator.gains import ROCK_LEVELS, Gains, gains, rock_levels
 from vsensor.estimator.responses import MEMORY_S, Plant, rock_fade
 from vsensor.estimator.sections import Floats, cut, junction_depths
 from vsensor.estimator.spectra import factorised
@@ -165,3 +165,24 @@ def test_they_are_rounded_to_what_all_processors_agree_on(drag: float) -> None:
         units = values / np.ldexp(1.0, np.frexp(greatest)[1] - 26)
         assert (units == np.rint(units)).all(), name
         assert (np.abs(units[(values == greatest) & (values != 0)]) >= 2**25).all(), name
+
+
+@pytest.mark.parametrize("static", [0.0, 1000.0, 20e3])
+def test_a_wells_string_has_the_wells_levels_of_the_rock_whatever_law_is_guessed(static: float) -> None:
+    plant = RINGING.plant._replace(torque_noise=80.0, speed_noise=0.015, static=static)
+    assert rock_levels(plant).tolist() == ROCK_LEVELS.tolist()
+
+
+def test_where_little_is_hidden_by_noise_gains_are_ready_for_as_little_rock() -> None:
+    """A rod of 10 mm, and a brake of 9 N·m at its end."""
+    line = RINGING.plant.line._replace(impedance=1e-4 * RINGING.plant.line.impedance)
+    levels = rock_levels(RINGING.plant._replace(line=line, torque_noise=0.1, speed_noise=0.01, static=9.0))
+    assert levels[0] <= 0.05
+    assert levels[-1] == ROCK_LEVELS[-1]
+    assert levels[1:].tolist() == (2 * levels[:-1]).tolist()
+
+
+def test_without_any_noise_the_levels_end_where_they_do_not_matter() -> None:
+    plant = RINGING.plant._replace(torque_noise=0.0, speed_noise=0.0, static=8000.0)
+    assert rock_levels(plant)[0] == ROCK_LEVELS[0]
+    assert len(rock_levels(plant._replace(static=0.0))) < 30

@@ -5,15 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.accuracy.reference import Case
+from tests.accuracy.sticks import Foretold
 from tests.accuracy.tare import off_bottom_first
 from tests.accuracy.wrong import wrongs
 from tests.cases import Columns, estimated, folder, midpoints, reference_rig, run, table
 from tests.clocks import clock_rate, set_right
 from vsensor.config import load
 from vsensor.estimator.sections import Floats
-from vsensor.service.engine import Engine
-from vsensor.service.sticks import Sticks
-from vsensor.tables import read_surface, surface_samples
 
 
 @pytest.fixture(scope="module", params=["stick_slip", "smooth_drilling", "deviated_off_bottom"])
@@ -151,15 +150,8 @@ def test_all_that_is_wrong_costs_little_after_a_tare(name: str) -> None:
     assert rms(errors(told, truth, "confirmed", TORQUE)[0]) <= 3 * 300
 
 
-def foretold(name: str) -> tuple[Sticks, float]:
-    """What was foretold of sticks over a case, and how far ahead a forecast reaches, s."""
-    cases = folder("VSENSOR_REFERENCE_DATA")
-    rig = reference_rig(cases / f"{name}.json")
-    engine, sticks = Engine(rig), Sticks(rig)
-    for topic, sample in surface_samples(read_surface(cases / f"{name}_surface.csv")):
-        for _, estimate in engine.take(topic, sample):
-            sticks.see(estimate)
-    return sticks, engine.estimator.forecast_horizon
+def foretold(name: str) -> Foretold:
+    return Case(folder("VSENSOR_REFERENCE_DATA"), name, "", 0.0).sticks
 
 
 def test_every_stick_is_foretold_four_fifths_of_the_delay_ahead() -> None:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.accuracy import lumps, pictures, reference, tare, words
+from tests.accuracy import lumps, pictures, reference, sticks, tare, words
 from tests.accuracy.field import field
 from tests.cases import folder
 from vsensor.config import load
@@ -37,8 +37,9 @@ def page(images: Path) -> Iterator[str]:
     yield words.SCRATCH
     for case in cases:
         yield from reference.scratch(case)
-    yield words.LAG
     rig = load(DRILLING)
+    yield from sticks.section(((case.words, case.sticks) for case in cases), rig)
+    yield words.LAG
     yield pictures.shown(pictures.lag(pictures.trade(rig), rig.estimator.lag), images)
     yield from field(folder("VSENSOR_FIELD_DATA"))
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from tests.accuracy import limits, lumps, words
 from tests.accuracy.score import Answer, Score, answer, score, span, surface_speed
+from tests.accuracy.sticks import Foretold, foretold
 from tests.accuracy.tare import off_bottom_first
 from tests.accuracy.wrong import rough_law, wrongs
 from tests.cases import Columns, Learned, Run, reference_rig, run, table
@@ -64,6 +65,12 @@ class Case:
     def right(self) -> Columns:
         """and the estimates of it."""
         return self.run_right.told
+
+    @property
+    def sticks(self) -> Foretold:
+        """What is foretold of sticks."""
+        readings = zip(self.surface["motor_torque_nm"], self.surface["motor_speed_rad_s"], strict=True)
+        return foretold(self.rig, ((float(torque), float(speed)) for torque, speed in readings))
 
     @cached_property
     def tried(self) -> dict[lumps.Tuning, lumps.Filtered]:

@@ -33,7 +33,12 @@ from vsensor.estimator.sections import Floats
 from vsensor.estimator.spectra import Complexes, before, factorised, half_told, rounded
 
 ROCK_LEVELS: Floats = np.ldexp(25.0, np.arange(9))
-"""Standard deviations of the rock's torque, N·m, for which gains are kept ready: 25 N·m to 6.4 kN·m."""
+"""Standard deviations of the rock's torque, N·m, for which gains of a well's string are kept ready: 25 N·m to
+6.4 kN·m."""
+HIDDEN = 0.5
+"""Rock that is less restless than this share of the noise is not seen,"""
+NEGLIGIBLE = 0.005
+"""and than this share of what the bit withstands at rest, by the first guess of the law, does not matter."""
 HORIZON_S = 4 * MEMORY_S
 """Spectra are of so long a record: half of it answers, and half keeps its end from folding back."""
 LEAST_SPEED_NOISE = 1e-4
@@ -72,7 +77,7 @@ def gains(plant: Plant, at: Stations, lag: int, ahead: Sequence[float]) -> Gains
     """The gains of a string for answers `lag` ticks late, and foretold so many ticks ahead."""
     ticks = 1 << (round(HORIZON_S * plant.rate) - 1).bit_length()
     of_rock, of_noise = (responses(plant, at, ticks, by_rock=by_rock) for by_rock in (True, False))
-    each = [_at_level(plant, at, of_rock, of_noise, float(level), lag, ahead) for level in ROCK_LEVELS]
+    each = [_at_level(plant, at, of_rock, of_noise, float(level), lag, ahead) for level in rock_levels(plant)]
     of = Gains(*(np.array(column) for column in zip(*each, strict=True)))
     # Rows of several quantities, each of its own unit, are rounded by the levels of each.
     return Gains(
@@ -90,6 +95,21 @@ def gains(plant: Plant, at: Stations, lag: int, ahead: Sequence[float]) -> Gains
     )
 
 
+def rock_levels(plant: Plant) -> Floats:
+    """Standard deviations of the rock's torque for which gains are kept, N·m, each twice the one before.
+
+    ROCK_LEVELS, and below them, for a rig that is far weaker than a well's, as many as it can tell of.
+    """
+    noise = math.hypot(plant.torque_noise, plant.line.impedance[0] * _speed_noise(plant))
+    least = max(HIDDEN * noise, NEGLIGIBLE * plant.static)
+    below = max(0, math.ceil(math.log2(ROCK_LEVELS[0] / least)))
+    return np.concatenate([ROCK_LEVELS[0] * 0.5 ** np.arange(below, 0, -1), ROCK_LEVELS])
+
+
+def _speed_noise(plant: Plant) -> float:
+    return max(plant.speed_noise, LEAST_SPEED_NOISE)
+
+
 def _at_level(
     plant: Plant,
     at: Stations,
@@ -103,7 +123,7 @@ def _at_level(
     kick = level**2 * (1 - rock_fade(plant.rate) ** 2)
     noise = plant.torque_noise**2
     ticks = 2 * (len(of_rock.seen) - 1)
-    speed_noise = max(plant.speed_noise, LEAST_SPEED_NOISE)
+    speed_noise = _speed_noise(plant)
     by_rock = kick * np.abs(of_rock.seen) ** 2
     seen = by_rock + noise * np.abs(of_noise.seen) ** 2 + speed_noise**2
     innovation, causal = factorised(seen)

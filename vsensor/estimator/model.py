@@ -34,6 +34,7 @@ def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
         torque_noise=measured.torque_noise * passed,
         speed_noise=measured.speed_noise / drive.gear_ratio,
         late=drive.torque_lag * rate,
+        static=rig.bit.static_torque,
     )
     lag = max(1, round(rig.estimator.lag * rate))
     behind = math.ceil(plant.late)

@@ -43,6 +43,8 @@ class Plant(NamedTuple):
     speed_noise: float
     late: float = 0.0
     """How many ticks a sample of torque is late."""
+    static: float = 0.0
+    """What the bit withstands at rest by the first guess of the load law, N·m."""
 
 
 class _Seats(NamedTuple):

@@ -34,6 +34,8 @@ NEVER = -(1 << 62)
 LEARNED = ("scores", "learned", "tuning", "rock_square", "level")
 """What stays when the waves are lost: these, and all within them."""
 
+FIRST_ROCK = 400.0
+"""Torque of the rock beyond the load law, N·m, as it is taken to be at first."""
 SHADOW_DELAY = 0.008
 SHADOW_INERTIA = 0.05
 """How far the shadows are off: enough to be told apart from rounding, too little to be another string."""
@@ -211,7 +213,7 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
     forecast = model.behind * model.steps + half + min(half, model.horizon)
     ahead = forecast + model.lasting + 2 * model.shares * model.steps
     size = 1 << int(ahead + back + model.steps).bit_length()
-    level = len(model.gains.levels) // 2
+    level = _first_level(model.gains.levels, bit)
     return State(
         inputs=np.zeros((2, model.behind + 2)),
         missing=np.zeros((2, model.behind + 2), np.int64),
@@ -241,6 +243,12 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
         ahead=np.zeros((2, 1 << int(ahead).bit_length())),
         unforeseen=np.zeros(2),
     )
+
+
+def _first_level(levels: Floats, bit: Bit) -> int:
+    """Which of the levels is in force at first: half of what is guessed to hold the bit, at the most."""
+    most = FIRST_ROCK if bit.static_torque == 0 else min(FIRST_ROCK, 0.5 * bit.static_torque)
+    return int(np.argmin(np.abs(np.log(levels / most))))
 
 
 def shadowed(model: Model) -> Model:
