@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 
 from tests.rigs import BEGUN_NS, NS, RATE, SHORT, samples
 from tests.strings import PIPE, rig
-from tests.test_arrivals import at_once, columns, one_by_one
+from tests.test_arrivals import at_once, one_by_one
 from tests.test_intake import SMALL, S, T, both, reading, steps, ticks
 from tests.test_intake_ahead import refused
 from tests.test_intake_leaps import FAR, LEVEL, NOISE, Readings, noisy
 from vsensor.intake import Intake, stretch
 from vsensor.intake.leaps import BLOCK, OFTEN, Leaps
-from vsensor.intake.stretch import laid
 from vsensor.offline import Offline
 from vsensor.simulate.rig import Reading, SimulatedRig
 from vsensor.simulate.scenario import PLANS, Scenario
@@ -157,25 +156,29 @@ def test_what_is_usual_is_the_same_told_at_once(before: list[float], then: list[
     one_way, other = Leaps(0.015, 60.0), Leaps(0.015, 60.0)
     for change in before:
         one_way.note(change)
-    leaps = []
     for change in then:
-        leaps.append(one_way.is_one(change))
         one_way.note(change)
     other.note_all(np.array(before))
-    if other.none_among(np.array(then)):
-        assert not any(leaps)
     other.note_all(np.array(then))
     assert other.save() == one_way.save()
 
 
-def test_of_noise_as_configured_all_goes_by_columns(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("apart", [20_000, 100, 50])
+def test_noise_as_configured_and_strays_in_it_go_by_columns(
+    apart: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     fed = noisy(count=5000)
-    intake = Intake(SMALL)
-    begun = one_by_one(intake, fed[:2])
-    expected = one_by_one(Intake(SMALL), fed)
+    for at in (*range(apart, len(fed), apart), *range(apart + 1, len(fed), apart)):
+        fed[at][1].value *= -2
+    single, by_columns = Intake(SMALL), Intake(SMALL)
+    expected = one_by_one(single, fed)
+    begun = one_by_one(by_columns, fed[:2])
     monkeypatch.setattr(Intake, "take", None)
-    told = [len(inputs.number) for inputs in laid(intake, columns(fed[2:]))]
-    assert len(begun) + sum(told) == len(expected)
+    assert begun + at_once(by_columns, fed[2:], 10_000) == expected
+    assert by_columns.save() == single.save()
+    for topic in (T, S):
+        assert refused(by_columns, topic) == refused(single, topic)
+        assert by_columns.channels[topic].counts.strays == len(range(apart, len(fed), apart))
 
 
 def test_a_state_of_a_version_that_doubted_no_value_is_taken_up() -> None:
@@ -233,7 +236,6 @@ def test_with_one_in_a_hundred_torques_wild_confirmed_is_as_good_as_without(
     error = confirmed_error(clean, clean)
     assert confirmed_error(clean, dirty) < 1.1 * error
     monkeypatch.setattr(Leaps, "is_one", lambda *_: False)
-    monkeypatch.setattr(Leaps, "none_among", lambda *_: True)
     assert confirmed_error(clean, dirty) > 2 * error
 
 

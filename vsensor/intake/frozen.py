@@ -63,7 +63,7 @@ class _Reading:
         flags = np.zeros(len(values), np.uint32)
         before = np.append(self.run.value, values[:-1])
         begins = np.flatnonzero(values != before)
-        bounds = np.unique(np.concatenate(([0], begins, [len(values)])))
+        bounds = np.concatenate(([0], begins[begins > 0], [len(values)]))
         long = np.diff(bounds) + np.where(bounds[:-1] == 0, self.run.ticks, 0) > self._least
         for start, end in zip(bounds[:-1][long], bounds[1:][long], strict=True):
             held = self.run if start == 0 and values[0] == self.run.value else NO_RUN

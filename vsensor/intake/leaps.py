@@ -8,7 +8,7 @@ the very same.
 """
 
 from bisect import insort
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,15 @@ USUALS = 5.0
 """nor one within so many times what is usual. Of noise as configured the two say much the same;"""
 TRIFLE = 1e-3
 """nor one within so small a part of what is believed at all, where next to no noise is configured."""
+
+
+class Looked(NamedTuple):
+    """What comes of n values."""
+
+    changes: NDArray[np.float64]
+    """To each, from the last before it that was none of the strays."""
+    strays: NDArray[np.bool_]
+    """Which ones leap and are not borne out by the next."""
 
 
 class Leaps:
@@ -61,15 +70,34 @@ class Leaps:
         self._usual = usual
         self._beyond = max(self._least, USUALS * usual)
 
-    def none_among(self, changes: NDArray[np.float64]) -> bool:
-        """Whether none of the next n changes, shape (n,), is a leap. It may say no of some that have none."""
+    def look(self, values: NDArray[np.float64]) -> "Looked | None":
+        """What comes of the next n values, shape (n + 1,) with the one before them.
+
+        None where they must be looked at one by one: where a leap is borne out, or a stray is not alone.
+        """
+        changes = np.abs(np.diff(values))
+        strays = np.zeros(len(changes), np.bool_)
         if float(changes.max(initial=0.0)) <= self._least:
-            return True
+            return Looked(changes, strays)
+        back = np.abs(values[2:] - values[:-2])
+        strays[:-1] = (changes[:-1] > self._least) & (changes[1:] >= back)
+        if np.any(strays[1:] & strays[:-1]):
+            return None
+        behind = np.flatnonzero(strays) + 1
+        changes[behind] = back[behind - 1]
+        return Looked(changes, strays) if self._are_those(changes, strays) else None
+
+    def _are_those(self, changes: NDArray[np.float64], strays: NDArray[np.bool_]) -> bool:
+        """Whether all strays leap, and the others do not."""
         told = self._with_held(changes)
-        blocks = told[: len(told) // BLOCK * BLOCK].reshape(-1, BLOCK)
-        usual = np.partition(blocks, BLOCK - OFTEN, axis=1)[:, BLOCK - OFTEN]
-        beyond = np.append(self._beyond, np.maximum(self._least, USUALS * usual))
-        return bool(np.all(changes <= np.repeat(beyond, BLOCK)[self._count : len(told)]))
+        blocks = np.append(told, np.zeros(-len(told) % BLOCK)).reshape(-1, BLOCK)
+        usual = USUALS * np.partition(blocks, BLOCK - OFTEN, axis=1)[:, BLOCK - OFTEN]
+        beyond = np.append(self._beyond, np.maximum(self._least, usual[:-1]))
+        # Less would do: what is usual in its own block is not all known when a stray comes, or waits.
+        surely = np.maximum(beyond, usual)
+        own = slice(self._count, len(told))
+        within = changes <= np.repeat(beyond, BLOCK)[own]
+        return bool(np.all(np.where(strays, changes > np.repeat(surely, BLOCK)[own], within)))
 
     def note_all(self, changes: NDArray[np.float64]) -> None:
         """Take account of the next n changes, shape (n,)."""

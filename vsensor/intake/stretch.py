@@ -13,6 +13,7 @@ import numpy as np
 from vsensor.intake.arrivals import Arrivals, Floats, Inputs, Integers, by_columns
 from vsensor.intake.channel import FARTHEST_NS, Channel, Point
 from vsensor.intake.intake import Intake
+from vsensor.intake.leaps import Looked
 from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE
 from vsensor.quality import Quality, Reason
 
@@ -43,9 +44,8 @@ class Track(NamedTuple):
     channel: Channel
     times: Integers
     values: Floats
-    changes: Floats
-    """From each sample to the next that comes, shape (new,)."""
-    new: int
+    looked: Looked
+    """Which of the samples that come are strays, which are none of the points."""
     sequence: int | None
     """The last number, None where they have none."""
 
@@ -60,20 +60,23 @@ class Track(NamedTuple):
             return None
         times = np.append(np.array([point.time_ns for point in held]), arrivals.time_ns)
         values = np.append(np.array([point.value for point in held]), arrivals.value)
-        gaps = np.diff(times)
-        ordered = bool(np.all((gaps > 0) & (gaps <= limits[1])))
+        ordered = bool(np.all(np.diff(times) > 0))
         believed = bool(np.all(np.abs(arrivals.value) <= limits[0]))
         told = bool(np.all((arrivals.quality == 0) | (arrivals.quality == Quality.GOOD)))
-        changes = np.abs(np.diff(values[len(held) - 1 :]))
         if not (ordered and believed and told and abs(int(times[-1])) <= FARTHEST_NS):
             return None
-        if not channel.leaps.none_among(changes):
+        looked = channel.leaps.look(values[len(held) - 1 :])
+        if looked is None:
+            return None
+        kept = np.append(np.ones(len(held), np.bool_), ~looked.strays)
+        times, values = times[kept], values[kept]
+        if np.any(np.diff(times) > limits[1]):
             return None
         numbered = bool(arrivals.numbered.any())
         if numbered and not _in_sequence(channel, arrivals):
             return None
         last = int(arrivals.sequence[-1]) if numbered else None
-        return Track(channel, times, values, changes, len(arrivals.time_ns), last)
+        return Track(channel, times, values, looked, last)
 
     def at(self, time_ns: Integers) -> Floats:
         """The values at times between its first and last, by the intake's own arithmetic."""
@@ -90,9 +93,11 @@ class Track(NamedTuple):
         kept = zip(self.times[first:].tolist(), self.values[first:].tolist(), strict=True)
         self.channel.pace_ns = int(self.times[-1] - self.times[-2])
         self.channel.points = [Point(time_ns, value, 0) for time_ns, value in kept]
-        self.channel.leaps.note_all(self.changes)
-        self.channel.counts.received += self.new
-        self.channel.counts.accepted += self.new
+        self.channel.leaps.note_all(self.looked.changes)
+        new, strays = len(self.looked.strays), int(self.looked.strays.sum())
+        self.channel.counts.received += new
+        self.channel.counts.strays += strays
+        self.channel.counts.accepted += new - strays
         if self.sequence is not None:
             self.channel.next_sequence = self.sequence + 1
 
@@ -130,8 +135,9 @@ class Stretch(NamedTuple):
         """Whether, at each arrival, neither channel has gone on without the other."""
         newest = []
         for track, own in ((self.torque, ~arrivals.is_speed), (self.speed, arrivals.is_speed)):
-            before = len(track.times) - track.new
-            newest.append(track.times[before - 1 + np.cumsum(own)])
+            believed = own.copy()
+            believed[own] = ~track.looked.strays
+            newest.append(track.times[np.cumsum(believed) - believed.sum() - 1])
         return bool(np.all(np.abs(newest[0] - newest[1]) <= most_ns))
 
     def lay(self, intake: Intake) -> Inputs:
