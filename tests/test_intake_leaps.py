@@ -68,6 +68,18 @@ def test_a_true_step_loses_nothing_and_costs_one_samples_time(rate: float, order
     assert 0 < late <= max(2, 1 + 200 / rate)
 
 
+@pytest.mark.parametrize(("behind", "books"), [(5.1e3, {}), (4.9e3, {"strays": 1})])
+def test_the_next_bears_out_what_it_is_nearer_to(behind: float, books: dict[str, int]) -> None:
+    values = [0.0] * 100 + [1e4] + [behind] * 100
+    intake = Intake(SMALL)
+    told = ticks(
+        [pair for k, v in enumerate(values) for pair in (reading(T, k / 100, v), reading(S, k / 100))], intake
+    )
+    assert (1e4 in [tick.motor_torque for tick in told]) == (not books)
+    assert told[-1].motor_torque == behind
+    assert refused(intake, T) == books
+
+
 def test_a_ramp_is_followed_however_steep() -> None:
     values = [0.0] * 100 + [5.0 * k for k in range(10)] + [50.0] * 100
     intake = Intake(SMALL)
