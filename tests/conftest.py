@@ -8,7 +8,9 @@ from hypothesis import settings
 
 from tests.daemons import free_bus
 from vsensor.config import Bus, load
+from vsensor.estimator.abreast import WORTHWHILE
 from vsensor.estimator.estimator import Estimator
+from vsensor.jit import COMPILED
 
 # A loaded machine is no fault of the code: no test is failed for how long it took.
 settings.register_profile("vsensor", deadline=None)
@@ -19,8 +21,10 @@ settings.load_profile("ci" if os.environ.get("CI") else "vsensor")
 
 def pytest_configure(config: pytest.Config) -> None:
     """Compile once what tests, the processes that run them, and daemons would each compile at once."""
-    if not hasattr(config, "workerinput"):
-        Estimator(load(Path(__file__).parents[1] / "config" / "drilling.toml"))
+    if COMPILED and not hasattr(config, "workerinput"):
+        estimator = Estimator(load(Path(__file__).parents[1] / "config" / "drilling.toml"))
+        still = [0.0] * (WORTHWHILE + 2)  # as many ticks as march side by side
+        estimator.run(still, still)
 
 
 @pytest.fixture

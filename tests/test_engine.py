@@ -190,12 +190,13 @@ def test_severity_is_that_of_the_window_and_forgets_at_a_restart(taken: Taken) -
     assert np.isnan(engine.window).all()
 
 
-@pytest.mark.parametrize(("rate", "apart"), [(40, 1), (150, 1), (250, 2), (400, 4)])
-def test_the_window_is_as_long_at_any_rate_and_no_finer_than_the_bit_may_need(rate: int, apart: int) -> None:
+@pytest.mark.parametrize(("rate", "apart"), [(40.0, 1), (150.0, 1), (250.0, 2), (400.0, 4)])
+def test_the_window_is_as_long_at_any_rate_and_no_finer_than_the_bit_may_need(
+    rate: float, apart: int
+) -> None:
     engine = Engine(SHORT.model_copy(update={"loop": SHORT.loop.model_copy(update={"rate": rate})}))
-    ticks = (
-        Tick(number=k, motor_torque_nm=5e3, motor_speed_rad_s=math.sin(k / rate)) for k in range(6 * rate)
-    )
+    count = round(6 * rate)
+    ticks = (Tick(number=k, motor_torque_nm=5e3, motor_speed_rad_s=math.sin(k / rate)) for k in range(count))
     told = [engine.step(tick).confirmed_bit_speed_rad_s for tick in ticks][::apart]
     length = round(SHORT.estimator.severity_window * rate / apart)
     assert engine.recent_s == pytest.approx(apart / rate)

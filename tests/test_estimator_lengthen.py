@@ -95,9 +95,16 @@ def test_what_was_learned_stays_and_the_state_can_be_saved_and_taken_up_again() 
     assert one.tobytes() == two.tobytes()
 
 
+@pytest.fixture(scope="module")
+def sensor() -> Estimator:
+    """One to which nothing is done: whatever is asked of it is refused."""
+    return Estimator(SHORT)
+
+
 @pytest.mark.parametrize("metres", [math.nan, math.inf, -math.inf, 1e9, -2000.0])
-def test_a_string_that_none_can_be_is_refused_and_nothing_has_changed(metres: float) -> None:
-    sensor = Estimator(SHORT)
+def test_a_string_that_none_can_be_is_refused_and_nothing_has_changed(
+    sensor: Estimator, metres: float
+) -> None:
     before = sensor.save()
     with pytest.raises(ValueError, match=r"is 1500 m long and cannot become \S+ m (longer|shorter)"):
         sensor.lengthen(metres)
@@ -112,6 +119,6 @@ def test_before_the_first_tick_it_is_simply_another_string() -> None:
     assert one.tobytes() == two.tobytes()
 
 
-def test_pipe_must_be_left() -> None:
+def test_pipe_must_be_left(sensor: Estimator) -> None:
     with pytest.raises(ValueError, match='"pipe" is 1500 m long and cannot become 1500 m shorter'):
-        Estimator(SHORT).lengthen(-1500)
+        sensor.lengthen(-1500)

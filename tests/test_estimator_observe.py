@@ -43,6 +43,7 @@ def late(estimator: Estimator, truth: Floats) -> Floats:
     return np.concatenate([np.full((2, shift), np.nan), truth[:, :-shift]], axis=1)
 
 
+@COMPILED
 def test_innovations_are_white_and_as_large_as_stated(long: tuple[Estimator, Floats, Floats, Floats]) -> None:
     estimator, told, _, _ = long
     told = told[400:]
@@ -53,6 +54,7 @@ def test_innovations_are_white_and_as_large_as_stated(long: tuple[Estimator, Flo
         assert abs(correlation) < 4 / math.sqrt(len(told)), apart
 
 
+@COMPILED
 def test_the_confirmed_error_is_as_large_as_stated(long: tuple[Estimator, Floats, Floats, Floats]) -> None:
     estimator, _, answers, truth = long
     expected = late(estimator, truth)

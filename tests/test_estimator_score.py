@@ -70,10 +70,21 @@ def test_no_variance_is_ever_negative_or_unknown(misses: list[tuple[float, float
     assert (scores.law >= 0).all()
 
 
+@pytest.fixture(scope="module")
+def linear() -> Estimator:
+    return Estimator(LINEAR)
+
+
+@pytest.fixture
+def estimator(linear: Estimator) -> Estimator:
+    """As made anew: only its state changes while it is used."""
+    linear.reset()
+    return linear
+
+
 @pytest.mark.parametrize("level", range(len(ROCK_LEVELS)))
-def test_the_gains_follow_the_rocks_restlessness(level: int) -> None:
+def test_the_gains_follow_the_rocks_restlessness(estimator: Estimator, level: int) -> None:
     """Told with the error that a smoother leaves: what it tells and what it lacks add up to the rock."""
-    estimator = Estimator(LINEAR)
     model, state = estimator._model, estimator._state
     random = np.random.default_rng(level)
     rate = LINEAR.loop.rate
@@ -84,8 +95,7 @@ def test_the_gains_follow_the_rocks_restlessness(level: int) -> None:
     assert abs(int(state.level[0]) - level) <= 1
 
 
-def test_a_bit_that_hardly_turns_says_nothing_of_the_rock() -> None:
-    estimator = Estimator(LINEAR)
+def test_a_bit_that_hardly_turns_says_nothing_of_the_rock(estimator: Estimator) -> None:
     before = estimator._state.rock_square[0]
     weigh_rock(estimator._model, estimator._state, 0.3, 9e4)
     assert estimator._state.rock_square[0] == before
@@ -143,8 +153,8 @@ def test_what_the_record_holds_for_likelier_but_is_not_taken_up_stays_in_doubt()
         assert tuning.variance[DELAY] ** 0.5 == pytest.approx(math.hypot(wrong, besides), rel=0.05)
 
 
-def test_the_walls_torque_is_that_of_all_junctions_and_against_the_motion() -> None:
-    line = Estimator(LINEAR).line
+def test_the_walls_torque_is_that_of_all_junctions_and_against_the_motion(linear: Estimator) -> None:
+    line = linear.line
     line = line._replace(kinetic=np.full_like(line.kinetic, 10.0))
     viscous, count = float(line.viscous.sum()), len(line.kinetic)
     assert wall_torque(line, 3.0) == pytest.approx(3 * viscous + 10 * count)
