@@ -47,6 +47,16 @@ def test_a_source_set_far_back_belongs_on_a_new_recording() -> None:
     assert not stream.falls_back(Status(time_ns=0))
 
 
+@pytest.mark.parametrize(("rate", "every"), [(20, 1), (100, 1), (500, 1), (1000, 2), (2000, 4)])
+def test_of_a_fast_sensor_not_every_tick_is_drawn(rate: int, every: int) -> None:
+    """And of a source that was set back as many as before."""
+    stream, numbers = Stream(), [*range(600, 660), *range(12)]
+    times_ns = [BEGUN_NS + number * NS // rate for number in numbers]
+    seen = [drawn(Tick(time_ns=at, motor_torque_nm=1, motor_speed_rad_s=1), stream=stream) for at in times_ns]
+    lines = [any(isinstance(batch, Points) for batch in batches) for batches in seen]
+    assert lines == [number % every == 0 for number in numbers]
+
+
 def test_silence_is_told_at_the_newest_time_in_words_and_large() -> None:
     stream = Stream()
     before = drawn(tick(5), stream=stream)

@@ -9,6 +9,7 @@ from vsensor.messages import (
     SENSOR_TICK,
     STRING_DESCRIPTION,
     STRING_PROFILE,
+    Estimate,
     Message,
     Status,
     Tick,
@@ -35,6 +36,11 @@ TOPICS = (STRING_DESCRIPTION, SENSOR_STATUS, SENSOR_EVENT, SENSOR_TICK, BIT_ESTI
 
 FAR_BACK_NS = 10_000_000_000
 """A source whose time falls back further than this has been set anew, or a replay begins again."""
+
+
+DRAWN_APART_NS = 1_900_000
+"""Ticks so far apart are drawn, of a faster sensor than 500 Hz: a string swings at some 5 Hz and less, and the
+time that more of them take would be the sensor's own, where it runs on the same machine."""
 
 
 class Stream:
@@ -65,6 +71,7 @@ class Stream:
             self._service,
         )
         self._newest_ns = 0
+        self._drawn_ns: dict[type[Message], int] = {}
         self.reach: Reach | None = None
         """How late answers are confirmed and how far they are foretold, once that is known."""
 
@@ -79,7 +86,7 @@ class Stream:
 
     def take(self, message: Message) -> None:
         """Take in one message; one that makes no sense is passed over."""
-        if not sound(message):
+        if not self._is_drawn(message) or not sound(message):
             return
         if isinstance(message, Tick):
             self._newest_ns = message.time_ns
@@ -89,6 +96,16 @@ class Stream:
                 self.reach = Reach(message.confirmed_delay_s, message.forecast_horizon_s)
         for part in self._parts:
             part.hear(message, self._newest_ns)
+
+    def _is_drawn(self, message: Message) -> bool:
+        """Whether a tick, or an estimate, is far enough from the last that was drawn."""
+        if not isinstance(message, Tick | Estimate):
+            return True
+        since_ns = message.time_ns - self._drawn_ns.get(type(message), -DRAWN_APART_NS)
+        if 0 <= since_ns < DRAWN_APART_NS:
+            return False
+        self._drawn_ns[type(message)] = message.time_ns
+        return True
 
     def silent(self, seconds: float, time_ns: int) -> None:
         """Say that nothing has come for `seconds`; `time_ns` places it where no message ever came."""
