@@ -204,7 +204,9 @@ def test_a_stick_foretold_is_told_with_its_time() -> None:
     told = [
         event
         for k in range(5)
-        for event in watching.tick(Tick(number=k + 1), Estimate(time_ns=k, stick_in_s=0.8))
+        for event in watching.tick(
+            Tick(number=k + 1), Estimate(time_ns=k, forecast_time_ns=k + NS, stick_in_s=0.8)
+        )
     ]
     assert [(event.name, event.text) for event in told] == [
         ("stick_foretold", "the bit is going to stick in 0.8 s")

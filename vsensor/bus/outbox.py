@@ -9,9 +9,11 @@ from zenoh.ext import (
 )
 
 from vsensor.messages import (
+    BIT_ESTIMATE,
     SENSOR_EVENT,
     SENSOR_STATUS,
     STRING_PROFILE,
+    SURFACE_TOPICS,
     Message,
     surface,
 )
@@ -22,6 +24,9 @@ SELDOM = {STRING_PROFILE: 100, SENSOR_STATUS: 60, SENSOR_EVENT: 1000}
 """Topics that are larger, or come less often."""
 SURFACE_CACHE = 1 << 14
 """A rig keeps more: 16 s at 1 kHz, and both channels of it find room in the inbox."""
+AWAITED = (*SURFACE_TOPICS, BIT_ESTIMATE)
+"""Others wait for these: each goes out at once. What else there is goes out with the next of them, or a
+millisecond later: a sender that is woken for every message and every listener takes the loop's time."""
 HEARTBEAT_S = 0.5
 """How often a publisher tells what it sent last, so that a lost end is noticed."""
 
@@ -57,7 +62,7 @@ class Outbox:
                 f"{self._prefix}/{topic}",
                 encoding=surface.PROTOBUF,
                 congestion_control=self._congestion,
-                express=True,
+                express=topic in AWAITED,
                 cache=CacheConfig(min(self._cache, SELDOM.get(topic, self._cache))),
                 sample_miss_detection=MissDetectionConfig(heartbeat=HEARTBEAT_S, sporadic_heartbeat=None),
                 publisher_detection=True,

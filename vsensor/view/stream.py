@@ -37,10 +37,9 @@ TOPICS = (STRING_DESCRIPTION, SENSOR_STATUS, SENSOR_EVENT, SENSOR_TICK, BIT_ESTI
 FAR_BACK_NS = 10_000_000_000
 """A source whose time falls back further than this has been set anew, or a replay begins again."""
 
-
 DRAWN_APART_NS = 1_900_000
-"""Ticks so far apart are drawn, of a faster sensor than 500 Hz: a string swings at some 5 Hz and less, and the
-time that more of them take would be the sensor's own, where it runs on the same machine."""
+"""Of a sensor faster than 500 Hz ticks so far apart are drawn: a string swings at some 5 Hz and less, and the
+time that more take would be the sensor's own, where it runs on the same machine."""
 
 
 class Stream:
