@@ -43,17 +43,33 @@ def test_a_bunch_makes_no_turn_longer_than_its_slot(watch: Watch) -> None:
     assert turns == 5  # two of them in each
 
 
-@pytest.mark.parametrize("each_ns", [400_000, 700_000, 5_000_000])
+@pytest.mark.parametrize("each_ns", [500_000, 700_000, 5_000_000])
 def test_a_slow_machine_does_one_at_a_time(watch: Watch, each_ns: int) -> None:
     """Two would not end within the slot."""
     assert turn(Ration(1000.0), watch, 10, each_ns) == 9
 
 
+@pytest.mark.parametrize(("first_ns", "turns"), [(450_000, 10), (560_000, 40)])
+def test_a_backlog_is_worked_off_though_the_first_of_a_turn_takes_long(
+    watch: Watch, first_ns: int, turns: int
+) -> None:
+    """Nothing of it is in the processor's caches; another comes with every turn, and none takes too long."""
+    given, waiting = Ration(1000.0), 5
+    for _ in range(turns):
+        given.begin()
+        waiting, each_ns, begun = waiting + 1, first_ns, watch.ns
+        while waiting and given.lasts():
+            watch.ns += each_ns
+            waiting, each_ns = waiting - 1, 180_000
+        assert watch.ns - begun <= NS // 1000
+    assert waiting == 0
+
+
 def test_a_turn_that_wakes_late_does_less(watch: Watch) -> None:
     """It would end within the next slot, and make that one late too."""
     given = Ration(1000.0)
-    assert turn(given, watch, 10, 200_000) == 7
-    assert turn(given, watch, 10, 200_000, lateness_ns=200_000) == 8
+    assert turn(given, watch, 10, 200_000) == 6
+    assert turn(given, watch, 10, 200_000, lateness_ns=200_000) == 7
     assert turn(given, watch, 10, 200_000, lateness_ns=5_000_000) == 9
 
 
@@ -67,7 +83,7 @@ def test_a_slow_machine_without_a_backlog_is_given_no_longer_turns(watch: Watch)
 
 def test_a_backlog_that_lasts_is_given_the_time_there_is_late_or_not(watch: Watch) -> None:
     given = Ration(1000.0)
-    for _ in range(200):
+    for _ in range(400):
         turn(given, watch, 1000, 100_000, lateness_ns=900_000)
     begun = watch.ns
     turn(given, watch, 20_000, 100_000, lateness_ns=900_000)
@@ -75,8 +91,8 @@ def test_a_backlog_that_lasts_is_given_the_time_there_is_late_or_not(watch: Watc
 
 
 def test_a_backlog_that_lasts_is_given_all_the_time_there_is(watch: Watch) -> None:
-    given, waiting, took = Ration(1000.0), 50_000, []
-    for _ in range(200):
+    given, waiting, took = Ration(1000.0), 99_000, []
+    for _ in range(400):
         begun = watch.ns
         waiting = turn(given, watch, waiting, 100_000)
         took.append(watch.ns - begun)
@@ -87,7 +103,7 @@ def test_a_backlog_that_lasts_is_given_all_the_time_there_is(watch: Watch) -> No
 
 def test_afterwards_it_is_short_again(watch: Watch) -> None:
     given = Ration(1000.0)
-    for _ in range(200):
+    for _ in range(400):
         turn(given, watch, 1000, 300_000)
     assert turn(given, watch, 1, 300_000) == 0
     assert turn(given, watch, 10, 300_000) == 8

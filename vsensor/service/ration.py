@@ -9,14 +9,18 @@ import time
 from vsensor.grid import NS
 
 SHARE = 0.7
-"""Of a slot: a sample that will not be done with by then, if it takes as long as the longest of this turn,
-waits for the next."""
-PATIENCE_S = 0.1
-"""A backlog lasts that is still there after so long;"""
+"""Of a slot: a sample that will not be half done with by then, if it takes as long as the longest of this
+turn, waits for the next. Half, as the first tick of a turn, for which nothing is in the processor's caches,
+takes twice as long as those behind it: a backlog of which one is done each turn would stand for ever."""
+MOST_SHARE = 0.9
+SOON_S = 0.025
+"""Where a backlog is still there after so long, so much of a slot;"""
+PATIENCE_S = 0.25
+"""and after so long it lasts:"""
 GROWTH = 1.1
 GROWTH_HZ = 1000.0
 """then a turn has so many times the time that the one before had, this often a second at the most: at 1 kHz,
-from 0.7 of a slot to the longest in 45 turns."""
+from 0.9 of a slot to the longest in some 40 turns."""
 LONGEST_S = 0.05
 """Status, commands and signals do not wait longer."""
 
@@ -26,9 +30,10 @@ class Ration:
 
     def __init__(self, rate_hz: float) -> None:
         self._least_ns = round(SHARE * NS / rate_hz)
-        self._most_ns = max(self._least_ns, round(LONGEST_S * NS))
+        self._soon_ns = round(MOST_SHARE * NS / rate_hz)
+        self._most_ns = max(self._soon_ns, round(LONGEST_S * NS))
         self._growth = GROWTH ** min(1.0, GROWTH_HZ / rate_hz)
-        self._patience = int(PATIENCE_S * rate_hz)
+        self._soon, self._patience = int(SOON_S * rate_hz), int(PATIENCE_S * rate_hz)
         self._ns = self._least_ns
         self._until_ns = self._longest_ns = 0
         self._asked_ns: int | None = None
@@ -42,7 +47,10 @@ class Ration:
         """
         self._in_a_row = self._in_a_row + 1 if self._spent else 0
         grows = self._in_a_row > self._patience
-        self._ns = min(round(self._growth * self._ns), self._most_ns) if grows else self._least_ns
+        if grows:
+            self._ns = min(round(self._growth * self._ns), self._most_ns)
+        else:
+            self._ns = self._soon_ns if self._in_a_row > self._soon else self._least_ns
         self._spent = False
         self._asked_ns, self._longest_ns = None, 0
         self._until_ns = time.monotonic_ns() + self._ns - (0 if grows else lateness_ns)
@@ -52,6 +60,6 @@ class Ration:
         now = time.monotonic_ns()
         if self._asked_ns is not None:
             self._longest_ns = max(self._longest_ns, now - self._asked_ns)
-            self._spent = now + self._longest_ns > self._until_ns
+            self._spent = now + self._longest_ns // 2 > self._until_ns
         self._asked_ns = now
         return not self._spent
