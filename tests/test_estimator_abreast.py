@@ -1,6 +1,5 @@
 """Ticks that march side by side answer to the bits of ticks one by one, whatever they are fed."""
 
-import numba
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -17,10 +16,11 @@ from vsensor.estimator.kernel import FORECAST, NO_FORECAST, OFF_BOTTOM, SPEED
 from vsensor.estimator.score import NOW
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.study import foretold_for
+from vsensor.jit import COMPILED
 from vsensor.quality import Reason
 from vsensor.simulate.scenario import Scenario
 
-if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+if not COMPILED:
     pytest.skip("ticks march side by side only as compiled", allow_module_level=True)
 
 LONG = rig(PIPE.model_copy(update={"length": 2500.0}), COLLAR, bit=BIT, top_drive=DRIVE)

@@ -1,6 +1,5 @@
 """Sticks foretold, a bit off bottom, a long record: on simulated rigs, whose truth is known."""
 
-import numba
 import numpy as np
 import pytest
 
@@ -9,10 +8,11 @@ from vsensor.config import Tuning
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.kernel import CONFIRMED, OFF_BOTTOM, SPEED, SPEED_STD, STICK, TORQUE, TORQUE_STD
 from vsensor.estimator.tune import DELAY, INERTIA, OFFSET
+from vsensor.jit import COMPILED
 from vsensor.simulate.rig import SimulatedRig
 from vsensor.simulate.scenario import PLANS, Plan, Scenario
 
-if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+if not COMPILED:
     pytest.skip("minutes of a rig: too slow without the compiler", allow_module_level=True)
 
 LONG = rig(PIPE.model_copy(update={"length": 2500.0}), bit=BIT, top_drive=DRIVE, rate=50.0)
@@ -29,6 +29,19 @@ def test_a_stick_foretold_comes_true() -> None:
     when = readings[warned, 0] + told[warned] + 0.15
     resting = np.interp(when, readings[:, 3], rests.astype(float))
     assert resting.mean() > 0.85
+
+
+@pytest.mark.parametrize("length", [400.0, 2500.0])
+def test_a_stick_is_foretold_as_soon_as_its_stop_is_in_sight(length: float) -> None:
+    """Not once it has been seen to last: on a short string that would be after it has come."""
+    of = LONG.model_copy(update={"string": (PIPE.model_copy(update={"length": length}),)})
+    simulated = SimulatedRig(of, PLANS[Scenario.STICK_SLIP], seed=3)
+    readings = np.array([simulated.sample() for _ in range(60 * 50)])
+    estimator = Estimator(of)
+    told = estimator.run(readings[:, 1], readings[:, 2]).values[1000:, STICK]
+    first = told[1:][np.isnan(told[:-1]) & (told[1:] > 0)]
+    assert len(first) > 3
+    assert np.median(first) > estimator.forecast_horizon - 0.05
 
 
 def test_smooth_drilling_is_told_of_no_stick() -> None:

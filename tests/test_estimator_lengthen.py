@@ -2,7 +2,6 @@
 
 import math
 
-import numba
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
@@ -13,13 +12,11 @@ from vsensor.config import Rig
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.kernel import CONFIRMED, NOW, SPEED, TORQUE
 from vsensor.estimator.sections import Floats
+from vsensor.jit import COMPILED
 from vsensor.simulate.rig import SimulatedRig
 from vsensor.simulate.scenario import PLANS, Scenario
 
-COMPILED = pytest.mark.skipif(
-    numba.config.DISABLE_JIT,  # type: ignore[attr-defined]
-    reason="minutes of a rig: too slow without the compiler",
-)
+needs_compiler = pytest.mark.skipif(not COMPILED, reason="minutes of a rig: too slow without the compiler")
 
 STAND = 28.5
 SHORT = rig(PIPE, COLLAR, rate=50.0, bit=BIT, top_drive=DRIVE)
@@ -37,7 +34,7 @@ def drilled(of: Rig, scenario: Scenario, seconds: float) -> Floats:
     return np.array([(r.motor_torque, r.motor_speed, r.bit_time_s, r.bit_speed) for r in readings])
 
 
-@COMPILED
+@needs_compiler
 @settings(max_examples=10)
 @given(st.floats(-300, 600))
 @example(-61.0)  # a string so long would have another grid, were it configured so
@@ -56,7 +53,7 @@ def test_a_string_that_turns_steadily_goes_on_as_it_did(metres: float) -> None:
     assert values[-1, CONFIRMED + SPEED] == pytest.approx(10.0, abs=0.01)
 
 
-@COMPILED
+@needs_compiler
 def test_a_stand_added_in_the_middle_of_stick_slip_is_followed() -> None:
     """The record is that of the longer string all along; told of it halfway, the sensor is as good as one
     that knew it from the start."""
@@ -80,7 +77,7 @@ def test_a_stand_added_in_the_middle_of_stick_slip_is_followed() -> None:
     assert rms[0] < 1.5 * rms[1] + 0.05
 
 
-@COMPILED
+@needs_compiler
 def test_what_was_learned_stays_and_the_state_can_be_saved_and_taken_up_again() -> None:
     record = drilled(SHORT, Scenario.STICK_SLIP, 30)
     sensor = Estimator(SHORT)

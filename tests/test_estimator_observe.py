@@ -2,7 +2,6 @@
 
 import math
 
-import numba
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -14,11 +13,9 @@ from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.gains import ROCK_LEVELS
 from vsensor.estimator.kernel import CONFIRMED, SPEED, SPEED_STD, TORQUE, TORQUE_STD
 from vsensor.estimator.sections import Floats
+from vsensor.jit import COMPILED
 
-COMPILED = pytest.mark.skipif(
-    numba.config.DISABLE_JIT,  # type: ignore[attr-defined]
-    reason="long records: too slow without the compiler",
-)
+needs_compiler = pytest.mark.skipif(not COMPILED, reason="long records: too slow without the compiler")
 LEVEL = 4
 ROCK = float(ROCK_LEVELS[LEVEL])
 CHANGING = 5e3 + 2e3 * np.sin(np.arange(820) / 17.0)
@@ -43,7 +40,7 @@ def late(estimator: Estimator, truth: Floats) -> Floats:
     return np.concatenate([np.full((2, shift), np.nan), truth[:, :-shift]], axis=1)
 
 
-@COMPILED
+@needs_compiler
 def test_innovations_are_white_and_as_large_as_stated(long: tuple[Estimator, Floats, Floats, Floats]) -> None:
     estimator, told, _, _ = long
     told = told[400:]
@@ -54,7 +51,7 @@ def test_innovations_are_white_and_as_large_as_stated(long: tuple[Estimator, Flo
         assert abs(correlation) < 4 / math.sqrt(len(told)), apart
 
 
-@COMPILED
+@needs_compiler
 def test_the_confirmed_error_is_as_large_as_stated(long: tuple[Estimator, Floats, Floats, Floats]) -> None:
     estimator, _, answers, truth = long
     expected = late(estimator, truth)
@@ -108,7 +105,7 @@ def test_where_one_channel_is_lost_the_string_runs_on_and_its_return_is_seamless
     assert error[720:].max() < 0.01
 
 
-@COMPILED
+@needs_compiler
 @pytest.mark.parametrize(("torque", "speed"), [(1.5e5, 0.0), (0.0, 50.0), (-1e5, -40.0)])
 def test_a_wild_sample_does_limited_harm(torque: float, speed: float) -> None:
     record = drilled(LINEAR, np.full(800, 4e3), ROCK, 5)
@@ -138,7 +135,7 @@ def test_a_bit_at_rest_stays_exactly_at_rest_whatever_the_noise_says() -> None:
     assert told[-200:, CONFIRMED + TORQUE].mean() == pytest.approx(5e3, rel=0.03)
 
 
-@COMPILED
+@needs_compiler
 @settings(max_examples=5)
 @given(st.integers(0, 2**32 - 1), st.integers(0, len(ROCK_LEVELS) - 1))
 def test_corrections_never_feed_on_themselves(seed: int, level: int) -> None:
@@ -150,7 +147,7 @@ def test_corrections_never_feed_on_themselves(seed: int, level: int) -> None:
     assert calm[-200:].max() < 0.5 * calm[50:250].max()
 
 
-@COMPILED
+@needs_compiler
 @pytest.mark.parametrize("level", [0, 4])
 def test_a_top_without_inertia_is_not_driven_by_the_noise_of_its_last_sample(level: int) -> None:
     """The next tick's torque begins at that sample; left as it was measured, it drove the string away."""

@@ -1,6 +1,5 @@
 """The rings have room for what any correction of the delay asks of them: with more room all is the same."""
 
-import numba
 import numpy as np
 import pytest
 
@@ -10,8 +9,9 @@ from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import State
 from vsensor.estimator.tune import BOUND, DELAY
+from vsensor.jit import COMPILED
 
-if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+if not COMPILED:
     pytest.skip("hundreds of thousands of steps: too slow without the compiler", allow_module_level=True)
 
 STEPS = {500.0: 1, 50.0: 5, 20.0: 13}

@@ -1,6 +1,5 @@
 """Where ticks come faster than the bit is foretold, a march ahead is spread over several of them."""
 
-import numba
 import numpy as np
 import pytest
 from hypothesis import given
@@ -12,10 +11,11 @@ from vsensor.estimator.ahead import REFRESH_HZ, WORTH, read_beyond, shares_of
 from vsensor.estimator.estimator import Estimates, Estimator
 from vsensor.estimator.kernel import FORECAST, NO_FORECAST, NOW, SPEED, STICK, TORQUE
 from vsensor.estimator.sections import Floats
+from vsensor.jit import COMPILED
 from vsensor.simulate.rig import Reading
 from vsensor.simulate.scenario import Scenario
 
-if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+if not COMPILED:
     pytest.skip("minutes of a rig: too slow without the compiler", allow_module_level=True)
 
 SHARES = 4

@@ -14,7 +14,7 @@ from vsensor.bench.well import deep_well
 from vsensor.config import Rig
 from vsensor.errors import VsensorError
 from vsensor.estimator import observe
-from vsensor.estimator.ahead import asked, predict, read_beyond
+from vsensor.estimator.ahead import predict, reach, read_beyond
 from vsensor.estimator.along import keep_returned
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.learn import load_in_force
@@ -110,7 +110,7 @@ def deep_case() -> Case:
 
 def march_steps(model: Model) -> int:
     """Steps of a whole march: what is told, and what is read until the next has come as far."""
-    return asked(model, HORIZONS) + read_beyond(model.shares, model.steps)
+    return reach(model, HORIZONS) + read_beyond(model.shares, model.steps)
 
 
 def junctions_marched(case: Case) -> int:
@@ -163,7 +163,7 @@ def _ours(case: Case) -> Contestant:
 def _march_all(model: Model, state: State) -> None:
     for _ in range(MARCHES):
         state.course[:] = NONE  # timed whole, not in shares of it
-        predict(model, state, asked(model, HORIZONS))
+        predict(model, state, reach(model, HORIZONS))
 
 
 def _as_before(state: State, case: Case) -> State:

@@ -53,8 +53,8 @@ class SurfaceInbox:
     def drain(self, more: Callable[[], bool] = lambda: True, *, hold: bool = True) -> Iterator[Received]:
         """Yield what has come since the last call, and no longer than there is time for `more`.
 
-        Asks for `more` only where something waits, which stays there. Never waits itself, and ends even if
-        ever more comes. Without `hold` nothing is held back.
+        Asks for `more` only where something waits; what there is no time for is not lost. Never waits, and
+        ends even if ever more comes. Without `hold` nothing is held back.
         """
         queues, refused = self._queues, 0
         for number in range(1, self._capacity + 1):

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vsensor.estimator.ahead import asked, time_to
+from vsensor.estimator.ahead import reach, time_to
 from vsensor.estimator.exponential import exponential
 from vsensor.estimator.learn import load_in_force
 from vsensor.estimator.load import CLOSE, MOST, Load, foot, law
@@ -142,7 +142,7 @@ def march_abreast(model: Model, room: Room, steps: int) -> None:
             row = room.rows[i] + 1
             room.rows[i] = row if row < line.round_trip[i] else 0
     room.asked[:] = 0
-    if steps >= asked(model, HORIZONS):
+    if steps >= reach(model, HORIZONS):
         _see_sticks(model, room)
 
 
@@ -269,7 +269,7 @@ def _see_sticks(model: Model, room: Room) -> None:
     rests, sticks = room.rests, room.sticks
     rests[:] = 0
     sticks[:] = math.nan
-    for step in range(max(0, model.now - model.lasting), asked(model, HORIZONS)):
+    for step in range(max(0, model.now - model.lasting), reach(model, HORIZONS)):
         speeds, since = room.told[0, step], time_to(model, step + 1 - model.lasting)
         for lane in range(LANES):
             rests[lane] = rests[lane] + 1 if speeds[lane] == 0 else 0

@@ -30,9 +30,11 @@ def read_beyond(shares: int, steps: int) -> int:
 
 
 @compiled
-def asked(model: Model, kinds: int) -> int:
-    """Steps to be told of for the first horizons; for the last of them so many more that a bit which stops
-    before it is seen to stick. What the top will do then has not been heard: it is taken to stay as it is.
+def reach(model: Model, kinds: int) -> int:
+    """Steps that a march must tell of for the first so many horizons.
+
+    Beyond the last of them it goes on until a bit that stops before is seen to stick. What the top will do by
+    then has not been heard: it is taken to stay as it is.
     """
     return int(model.horizons[kinds - 1]) + (model.lasting if kinds == HORIZONS else 0)
 
@@ -87,7 +89,7 @@ def stick_ahead(model: Model, state: State) -> float:
     first = state.ticks[0] * model.steps + model.steps
     mask = state.ahead.shape[1] - 1
     rests = 0
-    for step in range(max(0, model.now - model.lasting), asked(model, HORIZONS)):
+    for step in range(max(0, model.now - model.lasting), reach(model, HORIZONS)):
         rests = rests + 1 if state.ahead[0, (first + step) & mask] == 0 else 0
         if rests == model.lasting:
             return time_to(model, step + 1 - rests)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vsensor.estimator.abreast import Room, ask, march_abreast, set_out
-from vsensor.estimator.ahead import asked, predict, stick_ahead
+from vsensor.estimator.ahead import predict, reach, stick_ahead
 from vsensor.estimator.inputs import enter, follow_bit, lasting
 from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.observe import note_rest, observe, settle
@@ -68,7 +68,7 @@ def turns(
         for k in range(count):
             out_reasons[k] = _take(model, state, torque[k], speed[k], reasons[k], out[k])
             kinds, tick = _kinds(reasons[k]), state.ticks[0]
-            predict(model, state, asked(model, kinds))
+            predict(model, state, reach(model, kinds))
             _foretell(model, state, tick, kinds, state.ahead, (tick + 1) * model.steps - 1, ring - 1)
             stick = stick_ahead(model, state) if kinds == HORIZONS else math.nan
             _answer(state, tick, out_reasons[k], stick, out[k])
@@ -103,7 +103,7 @@ def advance_abreast(
         for kind in range(kinds):
             ask(room, model.horizons[kind])
             ask(room, _before(model, kind))
-        march_abreast(model, room, asked(model, kinds))
+        march_abreast(model, room, reach(model, kinds))
         for k in range(begin, begin + count):
             kinds, lane = _kinds(reasons[k]), k - begin
             tick = state.ticks[0] - count + lane

@@ -3,8 +3,8 @@
 What is usual is told by the channel itself: what nine in ten of its last changes stayed within. Wild values,
 as long as they are fewer than one in ten, do not make it any larger, however large they are. A sensor that is
 noisier than configured, or a slow one that sees the signal itself from one sample to the next, is doubted
-for seven samples at the most. It is made of picked values, not of sums, so that samples by columns come to
-the very same.
+until seven changes have shown it, in the first of its blocks. It is made of picked values, not of sums, so
+that samples by columns come to the very same.
 """
 
 from bisect import insort
