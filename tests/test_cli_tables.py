@@ -1,6 +1,9 @@
 """Tables of every usual form to sessions and back, as a user types it."""
 
+import subprocess
+import sys
 from pathlib import Path
+from time import sleep
 
 import numpy as np
 import pyarrow as pa
@@ -161,3 +164,19 @@ def test_without_the_forecast_all_else_stays_the_same(tmp_path: Path) -> None:
     assert vsensor("verify", tmp_path / "less.mcap").output.count("exact") == 1
     assert vsensor("export", tmp_path / "less.mcap", "-o", tmp_path / "again.parquet").exit_code == 0
     assert parquet.read_table(tmp_path / "again.parquet").equals(less)
+
+
+@pytest.mark.process
+def test_an_import_that_is_terminated_leaves_nothing_behind(tmp_path: Path) -> None:
+    rows = 300_000
+    time = 1.7e9 + 0.01 * np.arange(rows)
+    columns = {"time_s": time, "motor_torque_nm": np.full(rows, 9e3), "motor_speed_rad_s": np.full(rows, 8.0)}
+    parquet.write_table(pa.table(columns), tmp_path / "long.parquet")
+    words = [sys.executable, "-m", "vsensor.cli.main", "import", "long.parquet", "-o", "long.mcap"]
+    with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as running:
+        while running.poll() is None and not (tmp_path / "long.mcap.part").exists():
+            sleep(0.01)
+        running.terminate()
+        _, said = running.communicate()
+    assert (running.returncode, said) == (143, "")
+    assert [path.name for path in tmp_path.iterdir()] == ["long.parquet"]

@@ -122,10 +122,13 @@ def test_a_name_that_is_no_sessions_is_refused(tmp_path: Path) -> None:
         writer(tmp_path / "a.csv")
 
 
-def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
+@pytest.mark.parametrize("folder", ["file", "file/sessions"])
+def test_a_file_in_the_place_of_the_folder_is_named(tmp_path: Path, folder: str) -> None:
     (tmp_path / "file").touch()
-    with pytest.raises(InputError, match=r"a\.mcap\.part: cannot be created: .*/file$"):
-        writer(tmp_path / "file" / "a.mcap")
+    with pytest.raises(
+        InputError, match=rf"a\.mcap\.part: cannot be .*: a file is in the way of .*/{folder}$"
+    ):
+        writer(tmp_path / folder / "a.mcap")
 
 
 def test_missing_folders_are_made(tmp_path: Path) -> None:

@@ -1,8 +1,20 @@
-"""Signals that a loop hears between two turns: Ctrl-C and SIGTERM end it, SIGHUP tells it something."""
+"""Signals: Ctrl-C and SIGTERM end a command cleanly, a loop between two turns; SIGHUP tells it something."""
 
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+
+SIGNALLED = 128
+"""The exit status of what a signal has ended is this and its number, as a shell counts."""
+
+
+def end_cleanly_when_terminated() -> None:
+    """From here on SIGTERM ends this process as Ctrl-C does: what is half written is cleared away first."""
+    signal.signal(signal.SIGTERM, _end)
+
+
+def _end(number: int, _frame: object) -> None:
+    raise SystemExit(SIGNALLED + number)
 
 
 @contextmanager

@@ -11,6 +11,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from vsensor.cli.output import Output, open_closed
 from vsensor.errors import VsensorError
+from vsensor.signals import end_cleanly_when_terminated
 
 # Command → its line in `vsensor --help`. Command X is the function X in vsensor/cli/X.py, with an
 # underscore behind it where Python has taken the word: import_ in import_.py.
@@ -88,7 +89,11 @@ def _vsensor(
 
 
 def main() -> None:
-    """Run the command line; exit status 0 done, 1 the work failed, 2 wrong use, 130 stopped by Ctrl-C."""
+    """Run the command line.
+
+    Exit status 0 done, 1 the work failed, 2 wrong use, 130 stopped by Ctrl-C, 143 by SIGTERM.
+    """
+    end_cleanly_when_terminated()
     open_closed()
     output = Output.standard()
     sys.stdout = output

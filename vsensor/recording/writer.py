@@ -201,6 +201,8 @@ def _create(path: Path, part: Path) -> BufferedWriter:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         file = part.open("xb")
+    except (FileExistsError, NotADirectoryError) as error:
+        raise InputError(f"{part}: cannot be created: a file is in the way of {error.filename}") from error
     except OSError as error:
         raise InputError(f"{part}: cannot be created: {error.strerror}: {error.filename}") from error
     with contextlib.suppress(OSError):  # some network file systems know no locks

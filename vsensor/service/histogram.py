@@ -3,6 +3,7 @@
 Four buckets to each doubling, as of HdrHistogram: a quantile is told to within an eighth of itself.
 """
 
+from bisect import bisect
 from collections.abc import Sequence
 
 from vsensor.grid import NS
@@ -35,12 +36,7 @@ class Histogram:
     def note(self, ns: int) -> None:
         """Count one duration."""
         self.sum_ns += ns
-        if ns < 1 << _FIRST:
-            self.counts[0] += 1
-            return
-        octave = ns.bit_length() - 1
-        bucket = 4 * (octave - _FIRST) + (ns >> octave - 2) - 3
-        self.counts[bucket if bucket < _LAST else _LAST] += 1
+        self.counts[bisect(UPPERS_NS, ns)] += 1
 
     def turn_over(self) -> list[int]:
         """The counts since the last call."""
