@@ -21,7 +21,10 @@ from vsensor.config import Bus
 from vsensor.errors import BusError, ConfigError
 from vsensor.messages import (
     BIT_ESTIMATE,
+    BIT_SPEED,
     SENSOR_ALIVE,
+    SENSOR_STATUS,
+    SENSOR_TICK,
     SURFACE_SPEED,
     SURFACE_TORQUE,
     Estimate,
@@ -193,6 +196,25 @@ def test_a_viewer_hears_what_it_knows_and_passes_over_the_rest(
 
     wait_until(lambda: hears(BIT_ESTIMATE), "the estimate")
     assert [message for topic, message in heard if topic != SURFACE_TORQUE] == [estimate]
+
+
+def test_what_others_wait_for_goes_out_at_once_and_the_rest_with_it(
+    daemon: zenoh.Session, client: zenoh.Session, prefix: str
+) -> None:
+    heard: dict[str, bool] = {}
+    with client.declare_subscriber(
+        f"{prefix}/**", lambda raw: heard.update({str(raw.key_expr).removeprefix(f"{prefix}/"): raw.express})
+    ):
+        outbox = Outbox(daemon, prefix, reliable=True)
+
+        def is_heard() -> bool:
+            for topic in (SURFACE_TORQUE, SURFACE_SPEED, BIT_ESTIMATE, BIT_SPEED, SENSOR_TICK, SENSOR_STATUS):
+                outbox.put(topic, Sample(time_ns=1, value=1.0))
+            return len(heard) == 6
+
+        wait_until(is_heard, "all topics")
+    at_once = {topic for topic, express in heard.items() if express}
+    assert at_once == {SURFACE_TORQUE, SURFACE_SPEED, BIT_ESTIMATE}
 
 
 def test_a_sensor_is_waited_for_until_it_says_that_it_lives(
