@@ -8,6 +8,7 @@ truth for the march and for what is told along the string; noise it only amplifi
 import numpy as np
 
 from vsensor.estimator.line import rubbing
+from vsensor.estimator.ring import length_of, mask_of
 from vsensor.estimator.sections import Floats, Line
 from vsensor.jit import compiled
 
@@ -21,7 +22,7 @@ def descend(
     Enters f and g at the sections' tops at this step into `waves` and `returned` (M, size), and the
     junctions' speeds into `speeds` (M + 1,).
     """
-    mask = waves.shape[1] - 1
+    mask = mask_of(waves.shape[1])
     t, w = torque - rubbing(line, 0, speed), speed
     speeds[0] = speed
     for i in range(line.impedance.shape[0]):
@@ -38,7 +39,7 @@ def descend(
 
 def peeled(line: Line, torques: Floats, speeds: Floats) -> Floats:
     """Torque and speed at the bottom of a string without waves at first, shape (n, 2)."""
-    waves = np.zeros((len(line.impedance), 1 << int(line.round_trip.max()).bit_length()))
+    waves = np.zeros((len(line.impedance), length_of(line.round_trip.max())))
     returned, junctions = np.zeros_like(waves), np.zeros(len(line.impedance) + 1)
     steps = enumerate(zip(torques, speeds, strict=True))
     bottom = [descend(line, waves, returned, junctions, k, float(t), float(w)) for k, (t, w) in steps]

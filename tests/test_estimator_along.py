@@ -27,6 +27,7 @@ from vsensor.estimator.along import (
 from vsensor.estimator.line import march
 from vsensor.estimator.load import load_of
 from vsensor.estimator.observe import correct_waves
+from vsensor.estimator.ring import SPARE, length_of, mask_of
 from vsensor.estimator.sections import Floats, Line, cut, junction_depths
 
 STEP = 1e-2
@@ -54,7 +55,7 @@ class Peeled:
     def __init__(self, line: Line, at: Stations) -> None:
         self.line, self.at = line, at
         self.travel = int(line.round_trip.sum()) // 2
-        self.waves = np.zeros((len(line.impedance), 1 << int(2 * line.round_trip.sum()).bit_length()))
+        self.waves = np.zeros((len(line.impedance), length_of(2 * line.round_trip.sum())))
         self.returned = np.zeros_like(self.waves)
         self.speeds = np.zeros(len(line.impedance) + 1)
         self.steps = 0
@@ -112,7 +113,7 @@ def test_a_marched_string_leaves_the_waves_that_its_naive_twin_has(
         g, _ = march(line, load, waves, k, 0.0, peeled.speeds, 0.0, told, 0)
         keep_returned(line, waves, peeled.speeds, k, peeled.returned)
         peeled.speeds[0] = speed
-        waves[0, k & (waves.shape[1] - 1)] = g + 2 * line.impedance[0] * speed
+        waves[0, k & mask_of(waves.shape[1])] = g + 2 * line.impedance[0] * speed
         cells.step(speed)
         peeled.steps += 1
         if k == moment - 1:
@@ -170,16 +171,16 @@ def test_what_is_heard_of_waves_may_be_added_late(seed: int, steps: int, lag: in
     of_waves, of_returned = random.standard_normal((2, 2, 3, lag * steps))
     innovations, levels = random.standard_normal(24), random.integers(0, 2, 24)
     inside, all_of_it = random.integers(0, 12, 3), np.full(3, lag * steps)
-    at_once, late = np.zeros((2, 3, 64)), np.zeros((2, 3, 64))
+    at_once, late = np.zeros((2, 3, 64 + SPARE)), np.zeros((2, 3, 64 + SPARE))
     for tick in range(ticks):
         for step in range(tick * steps, (tick + 1) * steps):
             at_once[..., step & 63] = late[..., step & 63] = random.standard_normal((2, 3))
-        said, level = random.standard_normal(), int(random.integers(0, 2))
-        innovations[tick % 24], levels[tick % 24] = said, level
+        said, level = random.standard_normal(1), int(random.integers(0, 2))
+        innovations[tick % 24], levels[tick % 24] = said[0], level
         last = (tick + 1) * steps - 1
-        correct_waves(of_waves[level], all_of_it, at_once[0], last, said)
-        correct_waves(of_returned[level], all_of_it, at_once[1], last, said)
-        correct_waves(of_waves[level], inside, late[0], last, said)
+        correct_waves(of_waves[level], all_of_it, at_once[:1], last, said)
+        correct_waves(of_returned[level], all_of_it, at_once[1:], last, said)
+        correct_waves(of_waves[level], inside, late[:1], last, said)
     heard = Heard(of_waves, inside, of_returned, innovations, levels, ticks - 1, steps)
     known = np.arange(max(0, (ticks - 24) * steps, ticks * steps - 64), ticks * steps)
     for section, (f, g) in enumerate(np.moveaxis(at_once, 1, 0)):

@@ -6,6 +6,7 @@ import pytest
 from tests.strings import BIT, DRIVE, PIPE, rig
 from vsensor.config import Rig, Tuning
 from vsensor.estimator.estimator import Estimator
+from vsensor.estimator.ring import SPARE
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import State
 from vsensor.estimator.tune import BOUND, DELAY
@@ -27,15 +28,19 @@ def corrected_to_its_bound(unsure: Rig) -> Estimator:
     return estimator
 
 
+def longer(rings: Floats) -> Floats:
+    return np.concatenate([np.tile(rings[..., :-SPARE], 4), rings[..., -SPARE:]], axis=-1)
+
+
 def roomier(state: State) -> State:
     """Before the first tick, all rings four times as long."""
     return state._replace(
-        waves=np.tile(state.waves, 4),
-        returned=np.tile(state.returned, 4),
+        waves=longer(state.waves),
+        returned=longer(state.returned),
         innovations=np.tile(state.innovations, 4),
         levels=np.tile(state.levels, 4),
-        told=np.tile(state.told, 4),
-        ahead=np.tile(state.ahead, 4),
+        told=longer(state.told),
+        ahead=longer(state.ahead),
         scores=state.scores._replace(foretold=np.tile(state.scores.foretold, 4)),
     )
 

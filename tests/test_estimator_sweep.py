@@ -10,6 +10,7 @@ from tests.strings import COLLAR, PIPE, strings
 from vsensor.config import Bit, Component
 from vsensor.estimator.line import march
 from vsensor.estimator.load import Load, load_of
+from vsensor.estimator.ring import SPARE
 from vsensor.estimator.sections import Floats, Line, cut
 from vsensor.estimator.sweep import SHORTEST, Span, sweep
 
@@ -27,14 +28,14 @@ class Moment:
         sections = len(line.impedance)
         self.line = line
         self.known = int(random.integers(0, 10 * SIZE))
-        turning = line.impedance[:, None] * (12 + wild * random.standard_normal((sections, SIZE)))
+        turning = line.impedance[:, None] * (12 + wild * random.standard_normal((sections, SIZE + SPARE)))
         self.waves = turning + 4e3
         self.speeds = 12 + wild * random.standard_normal(sections + 1)
         self.speeds[random.random(sections + 1) < resting] = 0.0
 
     def swept(self, load: Load, *ends: int) -> tuple[Floats, Floats]:
         """What the bit does in a march with pauses at these steps, and where the junctions end up."""
-        waves, speeds, told = self.waves.copy(), self.speeds.copy(), np.zeros((2, SIZE))
+        waves, speeds, told = self.waves.copy(), self.speeds.copy(), np.zeros((2, SIZE + SPARE))
         carried = np.array([ROCK, 0.0])
         first = self.known + 1
         for done, until in pairwise((0, *ends)):

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vsensor.bench.compiler import FLAGS, NO_COMPILER, compiler, compiler_version, library
-from vsensor.bench.record import drilled
+from vsensor.bench.record import alone, drilled
 from vsensor.bench.rounds import Times, alternate
 from vsensor.bench.table import Cell, Table
 from vsensor.bench.well import deep_well
@@ -19,9 +19,11 @@ from vsensor.estimator.along import keep_returned
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.learn import load_in_force
 from vsensor.estimator.line import FADE_SPEED
+from vsensor.estimator.ring import SPARE
+from vsensor.estimator.rise import rise
 from vsensor.estimator.score import HORIZONS
 from vsensor.estimator.sections import Floats
-from vsensor.estimator.state import NONE, Model, State, fill, flat, fresh, line_of, strand
+from vsensor.estimator.state import NONE, Model, State, fill, flat, fresh, strand
 from vsensor.jit import compiled
 
 RATE_HZ = 1000.0
@@ -70,7 +72,8 @@ def tables(seconds: float) -> Iterator[Table]:
     contestants = {"ours": _ours(case)}
     if cc := compiler():
         for flags in FLAGS:
-            contestants[flags] = _theirs(case, library(cc, "line.c", f"{flags} -DFADE_SPEED={FADE_SPEED!r}"))
+            told = f"{flags} -DFADE_SPEED={FADE_SPEED!r} -DSPARE={SPARE}"
+            contestants[flags] = _theirs(case, library(cc, "line.c", told))
     for contestant in contestants.values():
         run_once(contestant)
     for flags, contestant in contestants.items():
@@ -153,8 +156,8 @@ def _ours(case: Case) -> Contestant:
     state = _own(case)
     return Contestant(
         lambda: _march_all(case.model, state),
-        lambda: _step_all(case.model, _as_before(state, case), case.torque),
-        lambda: _correct_all(case.model, state, case.innovation),
+        lambda: _step_all(case.model, alone(_as_before(state, case)), case.torque),
+        lambda: _correct_all(case.model, alone(state), case.innovation),
         state,
     )
 
@@ -175,13 +178,14 @@ def _as_before(state: State, case: Case) -> State:
 
 @compiled
 def _step_all(model: Model, state: State, torque: Floats) -> None:
-    line, string = line_of(model, 0), strand(state, 0)
+    string = strand(state, 0)
     load = load_in_force(state.learned, model.bit_rate)
     first = state.ticks[0] * model.steps
     for k in range(torque.shape[0]):
         string.rock[0] *= model.fade
-        observe.turn_by_torque(line, load, model.drive_rates[0], string, first + k, torque[k])
-        keep_returned(line, state.waves[0], state.junctions[0], first + k, state.returned)
+        rise(model, load, state, first + k)
+        observe.turn_by_torque(model.line, model.drive_rates[0], string, first + k, torque[k])
+        keep_returned(model.line, state.waves[0], state.junctions[0], first + k, state.returned)
 
 
 @compiled
@@ -190,8 +194,8 @@ def _correct_all(model: Model, state: State, innovation: Floats) -> None:
     last = state.ticks[0] * model.steps + model.steps - 1
     for k in range(innovation.shape[0]):
         observe.correct_ends(gains, level, string, innovation[k])
-        observe.correct_told(gains.told[level], string.told, last, innovation[k])
-        observe.correct_waves(gains.waves[level], model.inside, string.waves, last, innovation[k])
+        observe.correct_told(gains.told[level], state.told, last, innovation[k : k + 1])
+        observe.correct_waves(gains.waves[level], model.inside, state.waves, last, innovation[k : k + 1])
 
 
 class _Line(ctypes.Structure):

@@ -1,6 +1,6 @@
 /* The march, the observer's step and its corrections (vsensor/estimator/line.py, load.py, along.py and
  * observe.py) as a C programmer would write them: the same arithmetic in the same order on arrays of the
- * same layout. The yardstick of `vsensor bench kernel`. FADE_SPEED comes by the command line. */
+ * same layout. The yardstick of `vsensor bench kernel`. FADE_SPEED and SPARE come by the command line. */
 
 #include <math.h>
 #include <stdint.h>
@@ -15,6 +15,12 @@ struct line {
 struct load {
     double viscous, kinetic, held, stribeck, inertia_rate;
 };
+
+/* As vsensor/estimator/ring.py. */
+static inline int64_t mask_of(int64_t length)
+{
+    return length - SPARE - 1;
+}
 
 static inline double rubbing(const struct line *line, int64_t junction, double speed)
 {
@@ -36,7 +42,7 @@ static double law(const struct load *load, double speed)
 
 static double sliding(const struct load *load, double drive, double resistance)
 {
-    double x = drive / resistance;
+    double x = drive * (1.0 / resistance);
     const double fall = load->held - load->kinetic;
     if (x <= 0 || fall == 0)
         return x > 0 ? x : 0;
@@ -80,10 +86,10 @@ static inline double contact(double drive, double resistance, double kinetic, do
 {
     if (fabs(drive) <= (before == 0 ? held : kinetic))
         return 0;
-    return copysign(fabs(drive) - kinetic, drive) / resistance;
+    return copysign(fabs(drive) - kinetic, drive) * (1.0 / resistance);
 }
 
-/* Waves are rings of `size` (a power of two), one a section; told: four of them; ahead: two of size `room`. */
+/* Waves are rings of length `size`, one a section; told: four of them; ahead: two of length `room`. */
 struct string {
     double *waves, *returned, *junctions, *balances, *rock, *told, *ahead;
     int64_t size, room;
@@ -97,7 +103,7 @@ static double march(const struct line *line, const struct load *load, double *wa
                     int64_t known, int64_t steps, int64_t heard, int64_t reach, double external, double fade,
                     double *speeds, double *balance, double *told, int64_t room)
 {
-    const int64_t mask = size - 1, last = line->sections - 1;
+    const int64_t mask = mask_of(size), last = line->sections - 1;
     const double foot = line->impedance[last];
     int64_t highest = 0, matters = reach;
     double g = 0;
@@ -113,8 +119,8 @@ static double march(const struct line *line, const struct load *load, double *wa
         double f = waves[last * size + (left & mask)] - external;
         double w = turn_bit(load, line, f, speeds[last + 1], balance);
         speeds[last + 1] = w;
-        told[step & (room - 1)] = w;
-        told[room + (step & (room - 1))] = external + (w != 0 ? law(load, w) : f);
+        told[step & mask_of(room)] = w;
+        told[room + (step & mask_of(room))] = external + (w != 0 ? law(load, w) : f);
         g = f + external - 2 * foot * w;
         external *= fade;
         for (int64_t i = last - 1; i >= highest; i--) {
@@ -150,7 +156,7 @@ void foretell(const struct line *line, const struct load *load, struct string *s
 void turn(const struct line *line, const struct load *load, const struct drive *drive, struct string *s,
           int64_t first, const double *torque, int64_t n)
 {
-    const int64_t size = s->size, mask = size - 1;
+    const int64_t size = s->size, mask = mask_of(size);
     const double z = line->impedance[0];
     for (int64_t k = 0; k < n; k++) {
         const int64_t step = first + k, now = step & mask;
@@ -175,7 +181,7 @@ void turn(const struct line *line, const struct load *load, const struct drive *
 static void correct_waves(const double *gains, const int64_t *inside, int64_t sections, int64_t lag,
                           double *waves, int64_t size, int64_t last, double innovation)
 {
-    const int64_t mask = size - 1;
+    const int64_t mask = mask_of(size);
     for (int64_t i = 0; i < sections; i++)
         for (int64_t ago = 0; ago < lag && ago < inside[i]; ago++)
             waves[i * size + ((last - ago) & mask)] += gains[(i + 1) * lag - 1 - ago] * innovation;
@@ -185,7 +191,7 @@ static void correct_waves(const double *gains, const int64_t *inside, int64_t se
 void correct(const double *state, const double *waves, const double *told, const int64_t *inside,
              int64_t sections, int64_t lag, struct string *s, int64_t last, const double *innovation, int64_t n)
 {
-    const int64_t size = s->size, mask = size - 1;
+    const int64_t size = s->size, mask = mask_of(size);
     for (int64_t k = 0; k < n; k++) {
         const double by = innovation[k];
         if (s->junctions[0] != 0) {

@@ -6,7 +6,7 @@ from typing import Self
 
 import numpy as np
 
-from vsensor.bench.record import drilled
+from vsensor.bench.record import alone, drilled
 from vsensor.bench.rounds import alternate
 from vsensor.bench.table import Cell, Table
 from vsensor.bench.well import deep_well
@@ -16,9 +16,10 @@ from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.inputs import enter, follow_bit, lasting
 from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.observe import note_rest, observe, settle
+from vsensor.estimator.ring import mask_of
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import Model, State
-from vsensor.estimator.tune import SETTLED_S, STRINGS
+from vsensor.estimator.tune import SETTLED_S
 from vsensor.jit import compiled
 
 TICKS = 50
@@ -106,22 +107,21 @@ class Part:
         """Run n ticks; returns the confirmed bit speed and torque, shape (n, 2), whether known yet or not."""
         told = np.empty((len(torque), 2))
         of = self._estimator
-        _run(of._model, of._state, torque, speed, self._part, told)
+        state = of._state if self._part == TUNED else alone(of._state)
+        _run(of._model, state, torque, speed, self._part, told)
         return told
 
 
 @compiled
 def _run(model: Model, state: State, torque: Floats, speed: Floats, part: int, told: Floats) -> None:
-    strings = STRINGS if part == TUNED else 1
     for k in range(torque.shape[0]):
         flags = enter(model, state, torque[k], speed[k], 0)
         follow_bit(model, state, False)
         if state.ticks[0] == 0:
-            for which in range(strings):
+            for which in range(state.waves.shape[0]):
                 settle(model, state, which, state.inputs[0, 0], state.inputs[1, 0])
         doubts = lasting(model, state, flags)
-        for which in range(strings):
-            observe(model, state, which)
+        observe(model, state)
         note_rest(model, state)
         if doubts:
             lose_sight(state.learned)
@@ -129,7 +129,7 @@ def _run(model: Model, state: State, torque: Floats, speed: Floats, part: int, t
             study.study_rock(model, state)
             if part == TUNED and state.ticks[0] > SETTLED_S * model.rate:
                 study.study_string(model, state)
-        at = study.confirmed_step(model, state) & (state.told.shape[2] - 1)
+        at = study.confirmed_step(model, state) & mask_of(state.told.shape[2])
         for q in range(2):
             told[k, q] = state.told[0, q, at]
         state.ticks[0] += 1

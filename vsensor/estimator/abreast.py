@@ -15,6 +15,7 @@ from vsensor.estimator.ahead import reach, time_to
 from vsensor.estimator.exponential import exponential
 from vsensor.estimator.learn import load_in_force
 from vsensor.estimator.load import CLOSE, MOST, Load, foot, law
+from vsensor.estimator.ring import mask_of
 from vsensor.estimator.score import HORIZONS
 from vsensor.estimator.sections import Floats, Integers, Line
 from vsensor.estimator.state import BIT, Model, State
@@ -26,9 +27,9 @@ WORTHWHILE = 16
 """Fewer are done sooner one by one."""
 
 # Where the bits' numbers begin in one array, a lane each: of its parts the compiler sees that they lie apart.
-SPEED, BALANCE, EXTERNAL, DRIVE, FOUND, UNSETTLED, VISCOUS, KINETIC, STATIC, STRIBECK = range(
-    0, 10 * LANES, LANES
-)
+PARTS = 13
+SPEED, BALANCE, EXTERNAL, DRIVE, FOUND, UNSETTLED = range(0, 6 * LANES, LANES)
+VISCOUS, KINETIC, STATIC, STRIBECK, RATE, RESISTANCE, MOBILITY = range(6 * LANES, PARTS * LANES, LANES)
 
 
 class Room(NamedTuple):
@@ -66,7 +67,7 @@ def room_for(model: Model) -> Room:
         held=np.zeros(LANES),
         rows=np.zeros(sections, np.int64),
         speeds=np.zeros((sections + 1, LANES)),
-        bits=np.zeros(10 * LANES),
+        bits=np.zeros(PARTS * LANES),
         told=np.zeros((2, steps, LANES)),
         asked=np.zeros(steps, np.int64),
         rests=np.zeros(LANES, np.int64),
@@ -91,8 +92,9 @@ def set_out(model: Model, state: State, room: Room, lane: int) -> None:
     kept = room.kept[lane]
     for i in range(trips.shape[0]):
         ring = state.waves[0, i]
-        first = (state.ticks[0] + 1) * model.steps - trips[i] & ring.shape[0] - 1
-        run = min(trips[i], ring.shape[0] - first)
+        mask = mask_of(ring.shape[0])
+        first = (state.ticks[0] + 1) * model.steps - trips[i] & mask
+        run = min(trips[i], mask + 1 - first)
         _copy(ring[first : first + run], kept[:run])
         _copy(ring[: trips[i] - run], kept[run:])
         kept = kept[trips[i] :]
@@ -104,6 +106,10 @@ def set_out(model: Model, state: State, room: Room, lane: int) -> None:
     bits[EXTERNAL + lane] = state.rock[0] * model.fade
     bits[VISCOUS + lane], bits[KINETIC + lane] = load.viscous, load.kinetic
     bits[STATIC + lane], bits[STRIBECK + lane] = load.static, load.stribeck
+    at = foot(model.line)
+    resistance = model.bit_rate + at.impedance + at.viscous + load.viscous
+    bits[RESISTANCE + lane], bits[MOBILITY + lane] = resistance, 1.0 / resistance
+    bits[RATE + lane] = 1.0 / load.stribeck
 
 
 @compiled
@@ -121,29 +127,48 @@ def ask(room: Room, steps: int) -> None:
 @compiled
 def march_abreast(model: Model, room: Room, steps: int) -> None:
     """March all lanes for so many steps; the torques of those that are `asked` for are told."""
-    line = model.line
-    last = line.round_trip.shape[0] - 1
+    line, rows = model.line, room.rows
+    trips = line.round_trip
+    last = trips.shape[0] - 1
     _lay(line, room)
-    for step in range(steps):
-        arriving = room.waves[last, room.rows[last]]
-        _turn_bits(line, model.bit_rate, arriving, room.bits)
-        if room.asked[step]:
-            _tell_torques(arriving, room.bits, room.told[1, step])
-        _move_bits(line, model.bit_rate, model.fade, arriving, room.bits, room.told[0, step])
-        matters = steps - step - line.round_trip[last]
+    # No wave that is sent down in a block of so many steps is back in it: it goes from the bit to the top.
+    length = _shortest(trips)
+    for first in range(0, steps, length):
+        run = min(length, steps - first)
+        for step in range(first, first + run):
+            arriving = room.waves[last, _row(rows[last], step - first, trips[last])]
+            _turn_bits(line, model.bit_rate, arriving, room.bits)
+            if room.asked[step]:
+                _tell_torques(arriving, room.bits, room.told[1, step])
+            _move_bits(line, model.bit_rate, model.fade, arriving, room.bits, room.told[0, step])
+        matters = steps - first - trips[last]
         for i in range(last - 1, -1, -1):
             if i < 0 or matters <= 0:
                 break
-            above, below = room.waves[i, room.rows[i]], room.waves[i + 1, room.rows[i + 1]]
-            _pass_junction(line, i, above, below, room.speeds[i + 1])
-            matters -= line.round_trip[i]
-        _copy(room.held, room.waves[0, room.rows[0]])
+            _pass_junction(line, i, room.waves, rows, min(run, matters), room.speeds[i + 1])
+            matters -= trips[i]
+        for k in range(run):
+            _copy(room.held, room.waves[0, _row(rows[0], k, trips[0])])
         for i in range(last + 1):
-            row = room.rows[i] + 1
-            room.rows[i] = row if row < line.round_trip[i] else 0
+            rows[i] = _row(rows[i], run, trips[i])
     room.asked[:] = 0
     if steps >= reach(model, HORIZONS):
         _see_sticks(model, room)
+
+
+@compiled
+def _shortest(trips: Integers) -> int:
+    length = trips[0]
+    for i in range(trips.shape[0]):
+        length = min(length, trips[i])
+    return int(length)
+
+
+@compiled
+def _row(first: int, on: int, trip: int) -> int:
+    """The row of a section's line so many steps, `trip` at the most, behind the first."""
+    row = first + on
+    return row if row < trip else row - trip
 
 
 @compiled
@@ -168,11 +193,11 @@ def _turn_bits(line: Line, inertia_rate: float, arriving: Floats, bits: Floats) 
         before, kinetic, static = bits[SPEED + lane], bits[KINETIC + lane], bits[STATIC + lane]
         drive = arriving[lane] - bits[EXTERNAL + lane] + inertia_rate * before + bits[BALANCE + lane]
         left = abs(drive) - kinetic - at.kinetic
-        resistance = inertia_rate + at.impedance + at.viscous + bits[VISCOUS + lane]
-        x = left / resistance
+        resistance = bits[RESISTANCE + lane]
+        x = left * bits[MOBILITY + lane]
         slides = (x > 0) & ((before != 0) | (abs(drive) > static + at.static))
         falls = slides & (static != kinetic)
-        nearer, settled = _nearer(x, left, resistance, static - kinetic, 1.0 / bits[STRIBECK + lane])
+        nearer, settled = _nearer(x, left, resistance, static - kinetic, bits[RATE + lane])
         bits[DRIVE + lane] = drive
         bits[FOUND + lane] = (nearer if falls else x) if slides else 0.0
         bits[UNSETTLED + lane] = 1.0 if falls & (not settled) else 0.0
@@ -180,11 +205,11 @@ def _turn_bits(line: Line, inertia_rate: float, arriving: Floats, bits: Floats) 
     for _ in range(MOST - 1):
         if unsettled == 0:
             break
-        unsettled = _approach(line, inertia_rate, bits)
+        unsettled = _approach(line, bits)
 
 
 @compiled
-def _approach(line: Line, inertia_rate: float, bits: Floats) -> int:
+def _approach(line: Line, bits: Floats) -> int:
     """One more of Newton's steps for those that need it; returns how many still do."""
     at = foot(line)
     unsettled = 0
@@ -192,9 +217,8 @@ def _approach(line: Line, inertia_rate: float, bits: Floats) -> int:
         goes_on = bits[UNSETTLED + lane] != 0
         kinetic, x = bits[KINETIC + lane], bits[FOUND + lane]
         left = abs(bits[DRIVE + lane]) - kinetic - at.kinetic
-        resistance = inertia_rate + at.impedance + at.viscous + bits[VISCOUS + lane]
         fall = bits[STATIC + lane] - kinetic
-        nearer, settled = _nearer(x, left, resistance, fall, 1.0 / bits[STRIBECK + lane])
+        nearer, settled = _nearer(x, left, bits[RESISTANCE + lane], fall, bits[RATE + lane])
         bits[FOUND + lane] = nearer if goes_on else x
         bits[UNSETTLED + lane] = 1.0 if goes_on & (not settled) else 0.0
         unsettled += 1 if goes_on & (not settled) else 0
@@ -244,23 +268,26 @@ def _move_bits(
 
 
 @compiled
-def _pass_junction(line: Line, i: int, above: Floats, below: Floats, speeds: Floats) -> None:
-    """Pass the waves g that wait in `below` through the junction below section i; in `above` f arrives.
+def _pass_junction(line: Line, i: int, waves: Floats, rows: Integers, run: int, speeds: Floats) -> None:
+    """Pass the waves g of a run of steps, waiting in the section below, through the junction below section i.
 
-    Leaves f in `below`, and g as it goes on in `above`.
+    Leaves f in their place, and g as it goes on in the place of the f that arrived.
     """
     z, onward = line.impedance[i], line.impedance[i + 1]
-    resistance = z + onward + line.viscous[i + 1]
+    mobility = 1.0 / (z + onward + line.viscous[i + 1])
     kinetic, static = line.kinetic[i + 1], line.static[i + 1]
-    for lane in range(LANES):
-        f, g = above[lane], below[lane]
-        # As `load.contact` has it.
-        drive = f - g
-        turns = abs(drive) > (static if speeds[lane] == 0 else kinetic)
-        w = math.copysign(abs(drive) - kinetic, drive) / resistance if turns else 0.0
-        speeds[lane] = w
-        below[lane] = g + 2 * onward * w
-        above[lane] = f - 2 * z * w
+    for k in range(run):
+        above = waves[i, _row(rows[i], k, line.round_trip[i])]
+        below = waves[i + 1, _row(rows[i + 1], k, line.round_trip[i + 1])]
+        for lane in range(LANES):
+            f, g = above[lane], below[lane]
+            # As `load.contact` has it.
+            drive = f - g
+            turns = abs(drive) > (static if speeds[lane] == 0 else kinetic)
+            w = math.copysign(abs(drive) - kinetic, drive) * mobility if turns else 0.0
+            speeds[lane] = w
+            below[lane] = g + 2 * onward * w
+            above[lane] = f - 2 * z * w
 
 
 @compiled

@@ -7,6 +7,7 @@ REFRESH_HZ times a second is enough. Where ticks come faster, a march is spread 
 import math
 
 from vsensor.estimator.learn import load_in_force
+from vsensor.estimator.ring import mask_of
 from vsensor.estimator.score import HORIZONS
 from vsensor.estimator.state import BIT, END, NEXT, NONE, TOLD, Model, State
 from vsensor.estimator.sweep import BALANCE, EXTERNAL, Span, sweep
@@ -87,7 +88,7 @@ def _go_on(model: Model, state: State, unknown: int, until: int) -> None:
 def stick_ahead(model: Model, state: State) -> float:
     """Time from now until the bit is foretold to stick, s; 0 while it does; NaN where it does not."""
     first = state.ticks[0] * model.steps + model.steps
-    mask = state.ahead.shape[1] - 1
+    mask = mask_of(state.ahead.shape[1])
     rests = 0
     for step in range(max(0, model.now - model.lasting), reach(model, HORIZONS)):
         rests = rests + 1 if state.ahead[0, (first + step) & mask] == 0 else 0

@@ -23,6 +23,7 @@ import numpy as np
 
 from vsensor.config import Component
 from vsensor.estimator.line import rubbing
+from vsensor.estimator.ring import mask_of
 from vsensor.estimator.sections import Floats, Integers, Line
 from vsensor.jit import compiled
 
@@ -119,7 +120,7 @@ def along(
     `waves` and `returned` (M, size) hold f and g at the sections' tops, without what was `heard` of them
     afterwards. No allocation.
     """
-    mask = waves.shape[1] - 1
+    mask = mask_of(waves.shape[1])
     for k in range(at.section.shape[0]):
         i = at.section[k]
         step = common + at.down[k]
@@ -171,7 +172,7 @@ def _weighted(gains: Floats, steps: int, levels: Integers, innovations: Floats) 
 
 def catch_up(heard: Heard, waves: Floats, returned: Floats) -> None:
     """Correct all waves, (M, size) each, by what was heard of them so far."""
-    size, lag = waves.shape[1], heard.of_waves.shape[2]
+    size, lag = mask_of(waves.shape[1]) + 1, heard.of_waves.shape[2]
     late = np.arange(lag) < lag - heard.inside[:, None]
     for before in range(min(len(heard.innovations), -(-size // heard.steps))):
         at = (heard.newest - before) % len(heard.innovations)
@@ -189,7 +190,7 @@ def keep_returned(line: Line, waves: Floats, speeds: Floats, step: int, returned
 
     The wave that comes back from a section's bottom is g = f − 2ζω there, in slanted time at the same step.
     """
-    mask = waves.shape[1] - 1
+    mask = mask_of(waves.shape[1])
     for i in range(line.impedance.shape[0]):
         arrived = waves[i, (step - line.round_trip[i]) & mask]
         returned[i, step & mask] = arrived - 2 * line.impedance[i] * speeds[i + 1]

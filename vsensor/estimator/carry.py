@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vsensor.estimator.along import catch_up
 from vsensor.estimator.responses import TOLD_TOP_SPEED
+from vsensor.estimator.ring import mask_of
 from vsensor.estimator.sections import Floats, Line
 from vsensor.estimator.state import Model, State, heard
 
@@ -65,6 +66,7 @@ def _carry_waves(old: State, before: Line, new: State, line: Line, last: int) ->
 
 def _copy(old: Floats, new: Floats, last: int, shift: int) -> None:
     """Copy rings (…, size) up to step `last`, each step from `shift` steps earlier, from what is known."""
-    steps: NDArray[np.int64] = last - np.arange(min(old.shape[-1], new.shape[-1]))
-    known = np.clip(steps - shift, last - old.shape[-1] + 1, last)
-    new[..., steps % new.shape[-1]] = old[..., known % old.shape[-1]]
+    there, here = mask_of(old.shape[-1]), mask_of(new.shape[-1])
+    steps: NDArray[np.int64] = last - np.arange(min(there, here) + 1)
+    known = np.clip(steps - shift, last - there, last)
+    new[..., steps & here] = old[..., known & there]

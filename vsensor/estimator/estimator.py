@@ -16,6 +16,7 @@ from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.model import model_of, timed, with_length
 from vsensor.estimator.observe import shift_torque
 from vsensor.estimator.responses import TOLD_BIT_SPEED, TOLD_TOP_SPEED
+from vsensor.estimator.ring import mask_of
 from vsensor.estimator.sections import Floats, cut, junction_depths, steps_per_tick
 from vsensor.estimator.sound import refuse_unsound
 from vsensor.estimator.state import LEARNED, NONE, Model, State, fill, flat, fresh, heard, is_learned
@@ -197,12 +198,12 @@ class Estimator(Known):
         along(model.line, state.waves[0], state.returned, said, self.stations, step, self._profile)
         # A bit at rest is known to rest; the waves beside it are known but for their noise.
         bit = step + model.now - model.behind * model.steps
-        self._profile[SPEED, -1] = state.told[0, TOLD_BIT_SPEED, bit & (state.told.shape[2] - 1)]
+        self._profile[SPEED, -1] = state.told[0, TOLD_BIT_SPEED, bit & mask_of(state.told.shape[2])]
         return self._profile
 
     def top(self) -> tuple[float, float]:
         """Speed (rad/s) and torque (N·m) of the string's top at the time of the last confirmed answer."""
-        at = self._common_step() & (self._state.told.shape[2] - 1)
+        at = self._common_step() & mask_of(self._state.told.shape[2])
         speed, torque = self._state.told[0, TOLD_TOP_SPEED:, at]
         return float(speed), float(torque)
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from vsensor.config import Bit, TopDrive
 from vsensor.estimator.line import march, turn_top
 from vsensor.estimator.load import Load, load_of
+from vsensor.estimator.ring import length_of, mask_of
 from vsensor.estimator.sections import Floats, Line
 from vsensor.estimator.state import BIT, TOP
 from vsensor.jit import compiled
@@ -34,8 +35,7 @@ class ForwardLine:
         self._drive = Drive(drive.gear_ratio * drive.efficiency, 2 * drive.inertia / step_s)
         self._gear = drive.gear_ratio
         sections = len(line.impedance)
-        size = 1 << int(line.round_trip.max() + 1).bit_length()
-        self._waves = np.zeros((sections, size))
+        self._waves = np.zeros((sections, length_of(line.round_trip.max() + 1)))
         self._speeds = np.zeros(sections + 1)
         self._told = np.zeros((2, 1))
         self._step = 0
@@ -87,7 +87,7 @@ def _drive(
     told: Floats,
     out: Floats,
 ) -> None:
-    mask = waves.shape[1] - 1
+    mask = mask_of(waves.shape[1])
     z = line.impedance[0]
     for k in range(torques.shape[0]):
         step = done + k

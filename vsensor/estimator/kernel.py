@@ -12,6 +12,7 @@ from vsensor.estimator.inputs import enter, follow_bit, lasting
 from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.observe import note_rest, observe, settle
 from vsensor.estimator.responses import TOLD_BIT_TORQUE, TOLD_TOP_SPEED
+from vsensor.estimator.ring import mask_of
 from vsensor.estimator.score import CHANGE, EXPECTED, HORIZONS, VALUE, expect, foretell, score
 from vsensor.estimator.score import FORECAST as LAST
 from vsensor.estimator.score import NOW as FIRST
@@ -63,13 +64,13 @@ def turns(
     A generator, as that is handed model and state once: to take 75 arrays from Python at each tick takes half
     as long as the tick. It holds on to none of them: who runs it must.
     """
-    ring, count = state.ahead.shape[1], torque.shape[0]
+    mask, count = mask_of(state.ahead.shape[1]), torque.shape[0]
     while True:
         for k in range(count):
             out_reasons[k] = _take(model, state, torque[k], speed[k], reasons[k], out[k])
             kinds, tick = _kinds(reasons[k]), state.ticks[0]
             predict(model, state, reach(model, kinds))
-            _foretell(model, state, tick, kinds, state.ahead, (tick + 1) * model.steps - 1, ring - 1)
+            _foretell(model, state, tick, kinds, state.ahead, (tick + 1) * model.steps - 1, mask)
             stick = stick_ahead(model, state) if kinds == HORIZONS else math.nan
             _answer(state, tick, out_reasons[k], stick, out[k])
             state.ticks[0] += 1
@@ -126,8 +127,7 @@ def _take(model: Model, state: State, torque: float, speed: float, reasons: int,
     if state.ticks[0] == 0 or state.surprise[0] > LOST:
         _lay(model, state)
     doubts = lasting(model, state, flags)
-    for which in range(STRINGS):
-        observe(model, state, which)
+    observe(model, state)
     note_rest(model, state)
     if not doubts & _NOT_MEASURED:
         _score(model, state)
@@ -158,7 +158,7 @@ def _lay(model: Model, state: State) -> None:
 @compiled
 def _doubt(model: Model, state: State, quantity: int, step: int) -> float:
     """Variance of a confirmed answer: by noise and rock, and by what is uncertain of the parameters."""
-    mask = state.told.shape[2] - 1
+    mask = mask_of(state.told.shape[2])
     by_noise = model.gains.variance[state.level[0], quantity] * max(1.0, state.surprise[0])
     # With longer delays the bit of a moment is seen later.
     longer = state.told[1, quantity, (step + model.shift) & mask]
@@ -181,7 +181,7 @@ def _doubt(model: Model, state: State, quantity: int, step: int) -> float:
 @compiled
 def _score(model: Model, state: State) -> None:
     """Hold what was foretold against what is confirmed by now."""
-    mask = state.told.shape[2] - 1
+    mask = mask_of(state.told.shape[2])
     width = state.scores.foretold.shape[3]
     for kind in range(HORIZONS):
         tick, step = foretold_for(model, state, kind)
@@ -238,7 +238,7 @@ def _lay_out(model: Model, state: State, reasons: int, kinds: int, out: Floats) 
     confirmed = confirmed_step(model, state)
     place = state.ticks[0] % state.scores.foretold.shape[3]
     for q in range(2):
-        out[CONFIRMED + 2 * q] = state.told[0, q, confirmed & (state.told.shape[2] - 1)]
+        out[CONFIRMED + 2 * q] = state.told[0, q, confirmed & mask_of(state.told.shape[2])]
         out[CONFIRMED + 2 * q + 1] = _doubt(model, state, q, confirmed)
         for kind, at in ((FIRST, NOW), (LAST, FORECAST)):
             if kind < kinds and state.scores.scored[kind] > 0:
@@ -281,7 +281,7 @@ def _missed(state: State, kind: int, quantity: int, place: int, expected: Floats
 def _answer_top(model: Model, state: State, out: Floats) -> None:
     """The string's top at the time that is confirmed of the bit, and what noise and offset leave of doubt."""
     step = confirmed_step(model, state) - (model.now - model.behind * model.steps)
-    at = step & (state.told.shape[2] - 1)
+    at = step & mask_of(state.told.shape[2])
     for q in range(2):
         doubt = model.gains.variance[state.level[0], 2 + q] * max(1.0, state.surprise[0])
         if q == 1:

@@ -9,6 +9,7 @@ mended in docs/theory; the method of characteristics.)
 """
 
 from vsensor.estimator.load import Load, contact, foot, law, turn_bit
+from vsensor.estimator.ring import mask_of
 from vsensor.estimator.sections import Floats, Line
 from vsensor.jit import compiled
 
@@ -87,11 +88,10 @@ def pass_junction(
     f = _arriving(line, waves, i, step, heard)
     z = line.impedance[i]
     below = line.impedance[i + 1]
-    w = contact(
-        f - g, z + below + line.viscous[i + 1], line.kinetic[i + 1], line.static[i + 1], speeds[i + 1]
-    )
+    mobility = 1.0 / (z + below + line.viscous[i + 1])
+    w = contact(f - g, mobility, line.kinetic[i + 1], line.static[i + 1], speeds[i + 1])
     speeds[i + 1] = w
-    waves[i + 1, step & (waves.shape[1] - 1)] = g + 2 * below * w
+    waves[i + 1, step & mask_of(waves.shape[1])] = g + 2 * below * w
     return float(f - 2 * z * w)
 
 
@@ -99,7 +99,7 @@ def pass_junction(
 def _arriving(line: Line, waves: Floats, i: int, step: int, heard: int) -> float:
     """The wave f at the bottom of section i."""
     left = step - line.round_trip[i]
-    return float(waves[i, (min(left, heard) if i == 0 else left) & (waves.shape[1] - 1)])
+    return float(waves[i, (min(left, heard) if i == 0 else left) & mask_of(waves.shape[1])])
 
 
 @compiled
@@ -112,6 +112,6 @@ def turn_top(
     J dω/dt of the step before. Returns those of this step.
     """
     drive = pull + drive_rate * before + balance
-    resistance = drive_rate + line.impedance[0] + line.viscous[0]
-    w = contact(drive, resistance, line.kinetic[0], line.static[0], before)
+    mobility = 1.0 / (drive_rate + line.impedance[0] + line.viscous[0])
+    w = contact(drive, mobility, line.kinetic[0], line.static[0], before)
     return w, drive_rate * (w - before) - balance if w != 0 else 0.0

@@ -81,12 +81,15 @@ def turning(load: Load, at: Foot, f: float, speed: float) -> float:
 
 
 @compiled
-def contact(drive: float, resistance: float, kinetic: float, static: float, before: float) -> float:
-    """Speed w of a junction: resistance·w + Coulomb friction = drive; rests until `static` is passed."""
+def contact(drive: float, mobility: float, kinetic: float, static: float, before: float) -> float:
+    """Speed w of a junction: w / mobility + Coulomb friction = drive; rests until `static` is passed.
+
+    Whoever has the mobility before the drive need not wait for a division, nor make it again.
+    """
     held = static if before == 0 else kinetic
     if abs(drive) <= held:
         return 0.0
-    return math.copysign(abs(drive) - kinetic, drive) / resistance
+    return math.copysign(abs(drive) - kinetic, drive) * mobility
 
 
 @compiled
@@ -113,7 +116,7 @@ def _sliding(load: Load, drive: float, resistance: float) -> float:
     The left side is convex and at least `drive` at the start, so that Newton's steps come down on
     the fastest solution from above.
     """
-    x = drive / resistance
+    x = drive * (1.0 / resistance)
     fall = load.static - load.kinetic
     if x <= 0 or fall == 0:
         return max(x, 0.0)

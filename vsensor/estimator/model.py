@@ -47,6 +47,7 @@ def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
         line=line,
         impedances=line.impedance[None],
         round_trips=line.round_trip[None],
+        mobilities=np.zeros((1, len(line.impedance) - 1)),
         drive_rates=np.array([plant.drive_rate]),
         off=np.zeros(2),
         inside=longest_round_trips(line, BOUND * rig.tuning.delay + SHADOW_DELAY),

@@ -13,8 +13,8 @@ import math
 from vsensor.estimator.along import keep_returned
 from vsensor.estimator.gains import Gains
 from vsensor.estimator.learn import load_in_force
-from vsensor.estimator.line import march, rubbing, turn_top
-from vsensor.estimator.load import Load, law
+from vsensor.estimator.line import rubbing, turn_top
+from vsensor.estimator.load import law
 from vsensor.estimator.responses import (
     BIT_BALANCE,
     BIT_SPEED,
@@ -26,6 +26,8 @@ from vsensor.estimator.responses import (
     TOP_BALANCE,
     TOP_SPEED,
 )
+from vsensor.estimator.ring import mask_of
+from vsensor.estimator.rise import rise
 from vsensor.estimator.score import VALUE
 from vsensor.estimator.sections import Floats, Integers, Line
 from vsensor.estimator.state import BIT, SPEED, TOP, TORQUE, Model, State, Strand, line_of, strand
@@ -57,40 +59,47 @@ def settle(model: Model, state: State, which: int, torque: float, speed: float) 
 
 
 @compiled
-def observe(model: Model, state: State, which: int) -> None:
-    """Run one string by the internal steps of this tick, whose input has been entered, and correct it.
+def observe(model: Model, state: State) -> None:
+    """Run all strings by the internal steps of this tick, whose input has been entered, and correct them.
 
     The waves that come back are kept for the model string alone, and so is what corrects them (along.py):
     nobody looks along a shadow.
     """
-    line, string = line_of(model, which), strand(state, which)
     load = load_in_force(state.learned, model.bit_rate)
-    inputs = state.inputs
-    width = inputs.shape[1]
-    place = (state.ticks[0] - model.behind) % width
-    before = (place - 1) % width
+    place = (state.ticks[0] - model.behind) % state.inputs.shape[1]
     silent = _torque_silent(model, state, place)
     for row in range(model.steps):
-        share = (row + 1) / model.steps
         step = state.ticks[0] * model.steps + row
-        string.rock[0] *= model.fade
+        for which in range(state.rock.shape[0]):
+            state.rock[which] *= model.fade
+        rise(model, load, state, step)
+        _turn_tops(model, state, place, silent, step, (row + 1) / model.steps)
+        keep_returned(model.line, state.waves[0], state.junctions[0], step, state.returned)
+    heard = not silent and state.missing[SPEED, place] == 0
+    speed = state.inputs[SPEED, place] / model.turns
+    for which in range(state.waves.shape[0]):
+        off = speed - state.junctions[which, 0]
+        state.innovation[which] = _tamed(model, state, which, off) if heard else math.nan
+    if heard:
+        _correct(model, state, place)
+    past = state.ticks[0] % state.innovations.shape[0]
+    state.innovations[past] = state.innovation[0] if heard else 0.0
+    state.levels[past] = state.level[0]
+
+
+@compiled
+def _turn_tops(model: Model, state: State, place: int, silent: bool, step: int, share: float) -> None:
+    """Turn all tops by what was measured when such a share of this tick was over."""
+    before = (place - 1) % state.inputs.shape[1]
+    earlier, later = state.inputs[SPEED, before], state.inputs[SPEED, place]
+    for which in range(state.waves.shape[0]):
+        line, string = line_of(model, which), strand(state, which)
         if silent:
-            speed = inputs[SPEED, before] + share * (inputs[SPEED, place] - inputs[SPEED, before])
-            turn_by_speed(line, load, model.drive_rates[which], string, step, speed / model.turns)
+            speed = earlier + share * (later - earlier)
+            turn_by_speed(line, model.drive_rates[which], string, step, speed / model.turns)
         else:
             torque = _torque_at(model, state, which, place, share)
-            turn_by_torque(line, load, model.drive_rates[which], string, step, torque * model.passed)
-        if which == 0:
-            keep_returned(line, string.waves, string.junctions, step, state.returned)
-    innovation = math.nan
-    if not silent and state.missing[SPEED, place] == 0:
-        innovation = _tamed(model, state, which, inputs[SPEED, place] / model.turns - string.junctions[0])
-        _correct(model, state, which, place, innovation)
-    state.innovation[which] = innovation
-    if which == 0:
-        past = state.ticks[0] % state.innovations.shape[0]
-        state.innovations[past] = 0.0 if math.isnan(innovation) else innovation
-        state.levels[past] = state.level[0]
+            turn_by_torque(line, model.drive_rates[which], string, step, torque * model.passed)
 
 
 @compiled
@@ -116,24 +125,24 @@ def _torque_at(model: Model, state: State, which: int, place: int, share: float)
 
 
 @compiled
-def _correct(model: Model, state: State, which: int, place: int, innovation: float) -> None:
-    """Correct all of a string, and what is held against the torques that are still to act."""
-    gains, level, string = model.gains, state.level[0], strand(state, which)
+def _correct(model: Model, state: State, place: int) -> None:
+    """Correct all of the strings, and what is held against the torques that are still to act."""
+    gains, level = model.gains, state.level[0]
     last = state.ticks[0] * model.steps + model.steps - 1
-    correct_ends(gains, level, string, innovation)
-    for ahead in range(model.behind + 1):
-        at = (place + ahead) % state.motor.shape[1]
-        state.motor[which, at] += gains.motor[level, ahead] * innovation / model.passed
-    correct_told(gains.told[level], string.told, last, innovation)
-    correct_waves(gains.waves[level], model.inside, string.waves, last, innovation)
+    for which in range(state.waves.shape[0]):
+        innovation = state.innovation[which]
+        correct_ends(gains, level, strand(state, which), innovation)
+        for ahead in range(model.behind + 1):
+            at = (place + ahead) % state.motor.shape[1]
+            state.motor[which, at] += gains.motor[level, ahead] * innovation / model.passed
+    correct_told(gains.told[level], state.told, last, state.innovation)
+    correct_waves(gains.waves[level], model.inside, state.waves, last, state.innovation)
 
 
 @compiled
-def turn_by_torque(
-    line: Line, load: Load, drive_rate: float, string: Strand, step: int, torque: float
-) -> None:
-    """One internal step of a string whose top drive passes on `torque`."""
-    g = _march_up(line, load, string, step)
+def turn_by_torque(line: Line, drive_rate: float, string: Strand, step: int, torque: float) -> None:
+    """End an internal step of a string in which g has risen, and whose top drive passes on `torque`."""
+    g = string.waves[0, step & mask_of(string.waves.shape[1])]
     w, string.balances[TOP] = turn_top(
         line, drive_rate, torque - g, string.junctions[0], string.balances[TOP]
     )
@@ -141,34 +150,17 @@ def turn_by_torque(
 
 
 @compiled
-def turn_by_speed(line: Line, load: Load, drive_rate: float, string: Strand, step: int, speed: float) -> None:
-    """One internal step of a string whose top turns at `speed`, whatever torque that takes."""
-    g = _march_up(line, load, string, step)
+def turn_by_speed(line: Line, drive_rate: float, string: Strand, step: int, speed: float) -> None:
+    """The same of a string whose top turns at `speed`, whatever torque that takes."""
+    g = string.waves[0, step & mask_of(string.waves.shape[1])]
     string.balances[TOP] = 0.5 * drive_rate * (speed - string.junctions[0])
     _send_down(line, string, step, g, speed)
 
 
 @compiled
-def _march_up(line: Line, load: Load, string: Strand, step: int) -> float:
-    now = step & (string.told.shape[1] - 1)
-    g, string.balances[BIT] = march(
-        line,
-        load,
-        string.waves,
-        step,
-        string.rock[0],
-        string.junctions,
-        string.balances[BIT],
-        string.told,
-        now,
-    )
-    return g
-
-
-@compiled
 def _send_down(line: Line, string: Strand, step: int, g: float, speed: float) -> None:
     z = line.impedance[0]
-    now = step & (string.told.shape[1] - 1)
+    now = step & mask_of(string.told.shape[1])
     string.junctions[0] = speed
     string.waves[0, now] = g + 2 * z * speed
     string.told[TOLD_TOP_SPEED, now] = speed
@@ -222,38 +214,46 @@ def correct_ends(gains: Gains, level: int, string: Strand, innovation: float) ->
 
 
 @compiled
-def correct_told(of_innovation: Floats, told: Floats, last: int, innovation: float) -> None:
-    """Correct the answers (4, size) of the steps up to `last` by gains (4, L). A bit that rested rested."""
-    lag, size = of_innovation.shape[1], told.shape[1]
+def correct_told(of_innovation: Floats, told: Floats, last: int, innovation: Floats) -> None:
+    """Correct the answers (N, 4, size) of the steps up to `last` by gains (4, L), each by its innovation.
+
+    A bit that rested rested. Nobody asks what the top of a shadow did.
+    """
+    lag, size = of_innovation.shape[1], mask_of(told.shape[2]) + 1
     done = 0
     while done < lag:
         at = (last + 1 - lag + done) & (size - 1)
         until = done + min(lag - done, size - at)
         end = at + until - done
-        _correct_bit(
+        of_speed, of_torque = (
             of_innovation[TOLD_BIT_SPEED, done:until],
             of_innovation[TOLD_BIT_TORQUE, done:until],
-            told[TOLD_BIT_SPEED, at:end],
-            told[TOLD_BIT_TORQUE, at:end],
-            innovation,
         )
+        for which in range(told.shape[0]):
+            speeds, torques = told[which, TOLD_BIT_SPEED, at:end], told[which, TOLD_BIT_TORQUE, at:end]
+            _correct_bit(of_speed, of_torque, speeds, torques, innovation[which])
         for of_top in (TOLD_TOP_SPEED, TOLD_TOP_TORQUE):
-            _add(of_innovation[of_top, done:until], told[of_top, at:end], innovation)
+            _add(of_innovation[of_top, done:until], told[0, of_top, at:end], innovation[0])
         done = until
 
 
 @compiled
 def correct_waves(
-    of_innovation: Floats, inside: Integers, waves: Floats, last: int, innovation: float
+    of_innovation: Floats, inside: Integers, waves: Floats, last: int, innovation: Floats
 ) -> None:
-    """Correct waves (M, size) of the `inside` (M,) steps up to `last` by gains (M, L), newest last."""
-    lag, size = of_innovation.shape[1], waves.shape[1]
-    for i in range(waves.shape[0]):
+    """Correct waves (N, M, size) of the `inside` (M,) steps up to `last`, each string by its innovation.
+
+    The gains (M, L) are those of an innovation of 1 rad/s, newest last.
+    """
+    lag, size = of_innovation.shape[1], mask_of(waves.shape[2]) + 1
+    for i in range(waves.shape[1]):
         done = lag - min(inside[i], lag)
         while done < lag:
             at = (last + 1 - lag + done) & (size - 1)
             until = done + min(lag - done, size - at)
-            _add(of_innovation[i, done:until], waves[i, at : at + until - done], innovation)
+            gains = of_innovation[i, done:until]
+            for which in range(waves.shape[0]):
+                _add(gains, waves[which, i, at : at + until - done], innovation[which])
             done = until
 
 

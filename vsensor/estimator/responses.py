@@ -12,6 +12,7 @@ import numpy as np
 from vsensor.estimator.along import Stations, keep_returned
 from vsensor.estimator.line import march, turn_top
 from vsensor.estimator.load import Load
+from vsensor.estimator.ring import length_of, mask_of
 from vsensor.estimator.sections import Floats, Integers, Line
 from vsensor.estimator.spectra import Complexes
 from vsensor.jit import compiled
@@ -89,8 +90,7 @@ def responses(plant: Plant, at: Stations, ticks: int, *, by_rock: bool) -> Respo
     waves = np.zeros((half * plant.steps, 2 * sections))
     told = np.zeros((half * plant.steps, 4))
     fade = rock_fade(plant.rate * plant.steps)
-    size = 1 << int(line.round_trip.max() + plant.steps).bit_length()
-    rings = np.zeros((2, sections, size))
+    rings = np.zeros((2, sections, length_of(line.round_trip.max() + plant.steps)))
     # A sample acts on the tick before it and on the one after, and so much earlier as it is told late.
     own = math.ceil(plant.late)
     pulls = np.maximum(
@@ -177,7 +177,7 @@ def _strike(
     `rings` (2, M, size), `speeds` (M + 1,) and `bit` (2, 1) are room for it, all zero.
     """
     ring = rings[0]
-    mask = ring.shape[1] - 1
+    mask = mask_of(ring.shape[1])
     top_balance, bit_balance = 0.0, 0.0
     rock = 1.0 if by_rock else 0.0
     for step in range(waves.shape[0]):

@@ -12,6 +12,7 @@ from vsensor.config import Tuning as Settings
 from vsensor.estimator.along import Heard
 from vsensor.estimator.gains import Gains
 from vsensor.estimator.learn import Learned, fresh_law
+from vsensor.estimator.ring import length_of
 from vsensor.estimator.score import Scores, fresh_scores
 from vsensor.estimator.sections import Floats, Integers, Line, stretched
 from vsensor.estimator.tare import RAMP_S
@@ -50,6 +51,8 @@ class Model(NamedTuple):
     """ζ of each string's sections, N·m·s/rad, shape (N, M)."""
     round_trips: Integers
     """2θ of each string's sections, shape (N, M)."""
+    mobilities: Floats
+    """Of the junctions between each string's sections, rad/s for 1 N·m, shape (N, M − 1)."""
     drive_rates: Floats
     """2 J / Δt of each string's top drive, N·m·s/rad, shape (N,)."""
     off: Floats
@@ -106,8 +109,7 @@ class State(NamedTuple):
     motor: Floats
     """What is held of each string against the torques of that ring, N·m, shape (N, ticks)."""
     waves: Floats
-    """The wave f at the top of each section by internal step, of each string; shape (N, M, size), size a
-    power of two."""
+    """The wave f at the top of each section by internal step, of each string; rings, shape (N, M, size)."""
     returned: Floats
     """The wave g there, of the model string, before any correction; laid out alike, shape (M, size)."""
     innovations: Floats
@@ -212,7 +214,7 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
     half = longest // 2
     forecast = model.behind * model.steps + half + min(half, model.horizon)
     ahead = forecast + model.lasting + 2 * model.shares * model.steps
-    size = 1 << int(ahead + back + model.steps).bit_length()
+    size = length_of(ahead + back + model.steps)
     level = _first_level(model.gains.levels, bit)
     return State(
         inputs=np.zeros((2, model.behind + 2)),
@@ -240,7 +242,7 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
         course=np.full(3, NONE, np.int64),
         marching=np.zeros(sections + 1),
         carried=np.zeros(2),
-        ahead=np.zeros((2, 1 << int(ahead).bit_length())),
+        ahead=np.zeros((2, length_of(ahead))),
         unforeseen=np.zeros(2),
     )
 
@@ -258,10 +260,12 @@ def shadowed(model: Model) -> Model:
     delay = shift / float(line.depth[-1])
     longer, shorter = stretched(line, delay), stretched(line, -delay)
     lines = (line, longer, shorter, line, line)
+    impedances = np.array([each.impedance for each in lines])
     more, less = 1 + SHADOW_INERTIA, 1 - SHADOW_INERTIA
     return model._replace(
-        impedances=np.array([each.impedance for each in lines]),
+        impedances=impedances,
         round_trips=np.array([each.round_trip for each in lines]),
+        mobilities=1.0 / (impedances[:, :-1] + impedances[:, 1:] + line.viscous[1:-1]),
         drive_rates=drive * np.array([1.0, 1.0, 1.0, more, less]),
         off=np.array([delay, SHADOW_INERTIA]),
         shift=shift,

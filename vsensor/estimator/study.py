@@ -2,6 +2,7 @@
 
 from vsensor.estimator.learn import learn, lose_sight
 from vsensor.estimator.responses import TOLD_BIT_SPEED, TOLD_BIT_TORQUE, TOLD_TOP_SPEED
+from vsensor.estimator.ring import mask_of
 from vsensor.estimator.rock import weigh_rock
 from vsensor.estimator.score import EXPECTED, NOW, VALUE
 from vsensor.estimator.state import Model, State
@@ -40,7 +41,7 @@ def foretold_for(model: Model, state: State, kind: int) -> tuple[int, int]:
 def study_rock(model: Model, state: State) -> None:
     """Learn of rock and load law from what is confirmed of a bit on bottom."""
     tick, step = foretold_for(model, state, NOW)
-    at = step & (state.told.shape[2] - 1)
+    at = step & mask_of(state.told.shape[2])
     speed, torque = state.told[0, TOLD_BIT_SPEED, at], state.told[0, TOLD_BIT_TORQUE, at]
     weigh_rock(model, state, speed, torque)
     if model.learns:
@@ -79,7 +80,7 @@ def study_wall(model: Model, state: State) -> None:
     if (state.off_bottom[0] - model.lag) * model.steps < model.now:
         return
     step = confirmed_step(model, state)
-    mask = state.told.shape[2] - 1
+    mask = mask_of(state.told.shape[2])
     speed, torque = state.told[0, TOLD_BIT_SPEED, step & mask], state.told[0, TOLD_BIT_TORQUE, step & mask]
     weigh_rock(model, state, speed, torque)
     travel = model.now - model.behind * model.steps

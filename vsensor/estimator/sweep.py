@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from vsensor.estimator.line import pass_bit, pass_junction
 from vsensor.estimator.load import Load
+from vsensor.estimator.ring import mask_of
 from vsensor.estimator.sections import Floats, Integers, Line
 from vsensor.jit import compiled
 
@@ -109,7 +110,7 @@ def _turn_bit(
     last = line.impedance.shape[0] - 1
     external, balance = carried[EXTERNAL], carried[BALANCE]
     for step in range(block.first, block.until):
-        place = step & (told.shape[1] - 1)
+        place = step & mask_of(told.shape[1])
         g, balance = pass_bit(line, load, waves, step, block.heard, external, speeds, balance, told, place)
         external *= fade
         matters = block.end - step - line.round_trip[last]
@@ -122,7 +123,7 @@ def _pass(
     line: Line, waves: Floats, block: Span, lowest: int, top: int, matters: int, speeds: Floats
 ) -> None:
     """Pass junctions from the lowest to `top` for the steps that matter, where g waits in the place of f."""
-    mask = waves.shape[1] - 1
+    mask = mask_of(waves.shape[1])
     run = min(block.until - block.first, matters)
     if lowest == top and _slides(line, waves, block, top, run, speeds[top + 1]):
         onward = min(run, matters - line.round_trip[top]) if top > 0 else 0
@@ -153,13 +154,13 @@ def _pass_up(
         g = pass_junction(line, waves, i, step, heard, g, speeds)
         matters -= line.round_trip[i]
     if top > 0 and matters > 0:
-        waves[top, step & (waves.shape[1] - 1)] = g
+        waves[top, step & mask_of(waves.shape[1])] = g
 
 
 @compiled
 def _slides(line: Line, waves: Floats, block: Span, i: int, run: int, before: float) -> bool:
     """Whether the junction below section i slides at each step of a run, and all f of that are heard."""
-    trip, size = line.round_trip[i], waves.shape[1]
+    trip, size = line.round_trip[i], mask_of(waves.shape[1]) + 1
     if before == 0 or (i == 0 and block.first + run - 1 - trip > block.heard):
         return False
     kinetic = line.kinetic[i + 1]
@@ -178,9 +179,9 @@ def _slides(line: Line, waves: Floats, block: Span, i: int, run: int, before: fl
 @compiled
 def _slide(line: Line, waves: Floats, first: int, i: int, run: int, onward: int) -> float:
     """Pass a junction that slides through a run, leave g of the first `onward` steps; returns its speed."""
-    trip, size = line.round_trip[i], waves.shape[1]
+    trip, size = line.round_trip[i], mask_of(waves.shape[1]) + 1
     z, below, kinetic = line.impedance[i], line.impedance[i + 1], line.kinetic[i + 1]
-    resistance = z + below + line.viscous[i + 1]
+    mobility = 1.0 / (z + below + line.viscous[i + 1])
     w = 0.0
     done = 0
     while done < run:
@@ -190,13 +191,13 @@ def _slide(line: Line, waves: Floats, first: int, i: int, run: int, onward: int)
         if done < onward:
             for k in range(count):
                 drive = f[k] - g[k]
-                w = (drive - kinetic if drive > 0 else drive + kinetic) / resistance
+                w = (drive - kinetic if drive > 0 else drive + kinetic) * mobility
                 g[k] += 2 * below * w
                 up[k] = f[k] - 2 * z * w
         else:
             for k in range(count):
                 drive = f[k] - g[k]
-                w = (drive - kinetic if drive > 0 else drive + kinetic) / resistance
+                w = (drive - kinetic if drive > 0 else drive + kinetic) * mobility
                 g[k] += 2 * below * w
         done += count
     return w

@@ -5,6 +5,7 @@ wrong by, and by what they go with: an inertia with the top drive's acceleration
 torque, an offset with nothing (linear regression with normal priors, Box and Tiao 1973).
 """
 
+from vsensor.estimator.ring import mask_of
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.tune import FRICTION, INERTIA, OFFSET, SURELY, TARED, Tuning, bounded
 from vsensor.jit import compiled
@@ -84,5 +85,5 @@ def acceleration(told: Floats, step: int, travel: int, step_s: float) -> float:
     A wave from the bit is a travel time underway, and so is one to it: between the two lies the mean.
     """
     half = max(travel, int(RAMP_S / step_s))
-    mask = told.shape[0] - 1
+    mask = mask_of(told.shape[0])
     return float((told[step & mask] - told[(step - 2 * half) & mask]) / (2 * half * step_s))

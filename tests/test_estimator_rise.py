@@ -1,0 +1,66 @@
+"""Strings that go side by side come to the bits of each on its own."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.strings import BIT, COLLAR, DRIVE, PIPE, rig
+from vsensor.estimator.estimator import Estimator
+from vsensor.estimator.learn import load_in_force
+from vsensor.estimator.line import march
+from vsensor.estimator.ring import mask_of
+from vsensor.estimator.rise import rise
+from vsensor.estimator.state import BIT as BIT_END
+from vsensor.estimator.state import Model, State, fresh
+
+STRING = rig(PIPE, COLLAR, bit=BIT, top_drive=DRIVE)
+STEPS = 200
+
+
+@pytest.fixture(scope="module")
+def estimator() -> Estimator:
+    return Estimator(STRING)
+
+
+def in_motion(model: Model, seed: int, resting: float) -> State:
+    """All strings, each with waves and speeds of its own, some junctions at rest."""
+    random = np.random.default_rng(seed)
+    state = fresh(model, STRING.bit, STRING.tuning)
+    state.waves[...] = 4e3 + 3e3 * random.standard_normal(state.waves.shape)
+    state.junctions[...] = 12 + 6 * random.standard_normal(state.junctions.shape)
+    state.junctions[random.random(state.junctions.shape) < resting] = 0.0
+    state.rock[...] = 300 * random.standard_normal(state.rock.shape)
+    return state
+
+
+@settings(max_examples=10)
+@given(st.integers(0, 2**32 - 1), st.floats(0, 0.5), st.integers(0, 10_000))
+def test_each_string_marches_as_if_it_were_alone(
+    estimator: Estimator, seed: int, resting: float, first: int
+) -> None:
+    model = estimator._model
+    together, alone = in_motion(model, seed, resting), in_motion(model, seed, resting)
+    load = load_in_force(together.learned, model.bit_rate)
+    mask = mask_of(together.waves.shape[2])
+    for step in range(first, first + STEPS):
+        rise(model, load, together, step)
+        for which, waves in enumerate(alone.waves):
+            line = model.line._replace(impedance=model.impedances[which], round_trip=model.round_trips[which])
+            balances, now = alone.balances[which], step & mask
+            g, balances[BIT_END] = march(
+                line,
+                load,
+                waves,
+                step,
+                alone.rock[which],
+                alone.junctions[which],
+                balances[BIT_END],
+                alone.told[which],
+                now,
+            )
+            assert together.waves[which, 0, now] == g
+            waves[0, now] = together.waves[which, 0, now] = 4e3 + 100 * np.sin(step)
+    for name in ("waves", "junctions", "balances", "told"):
+        np.testing.assert_array_equal(getattr(together, name), getattr(alone, name))
+    assert (together.junctions[1:] != together.junctions[0]).any()
