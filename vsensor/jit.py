@@ -42,7 +42,9 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     would end both the checks on input and the exactness of a replay. A kernel that would allocate is
     refused by the compiler: without its run-time for memory no references are counted either, which took
     half of the observer's time. A division by zero gives what IEEE 754 says, and raises nothing: to look
-    for it would keep loops from becoming vectors.
+    for it would keep loops from becoming vectors. In the place of each call of a kernel stands the kernel
+    itself: a call hands on all of a state's arrays word by word, which took a fifth of the tick.
     """
-    kernel: Callable[P, R] = numba.njit(cache=True, _nrt=False, error_model="numpy")(function)  # type: ignore[call-overload]
+    options = {"cache": True, "_nrt": False, "error_model": "numpy", "forceinline": True}
+    kernel: Callable[P, R] = numba.njit(**options)(function)  # type: ignore[call-overload]
     return kernel
