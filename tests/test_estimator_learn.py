@@ -1,5 +1,7 @@
 """The load law is learned from the bit's own confirmed answers."""
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -78,6 +80,48 @@ def test_new_rock_replaces_the_old() -> None:
     speeds, torques = swinging(120, seed=2)
     feed(learned, speeds, 0.5 * torques)
     assert told(learned, 10.0) == pytest.approx(0.5 * float(torque_of(ROCK, np.array(10.0))), rel=0.15)
+
+
+def whims(seconds: float, seed: int) -> Floats:
+    """Torque of rough rock, N·m: 500 rms, forgotten within 0.3 s."""
+    keep = math.exp(-1 / (0.3 * RATE))
+    kicks = (
+        500 * math.sqrt(1 - keep * keep) * np.random.default_rng(seed).standard_normal(round(seconds * RATE))
+    )
+    torques = np.zeros(len(kicks))
+    for k in range(1, len(kicks)):
+        torques[k] = keep * torques[k - 1] + kicks[k]
+    return torques
+
+
+@pytest.mark.parametrize(("before", "after"), [(0.2, 1.0), (1.0, 0.4), (1.0, 1.6)])
+def test_weight_set_on_the_bit_is_learned_within_seconds(before: float, after: float) -> None:
+    """After two minutes under another weight: these are no reason to hold on to it for two more."""
+    learned = fresh_law(ROCK)
+    told_before = before * torque_of(ROCK, np.full(12_000, 11.0)) + whims(120, 5)
+    feed(learned, np.full(12_000, 11.0), told_before)
+    feed(learned, np.full(1200, 11.0), after * torque_of(ROCK, np.full(1200, 11.0)) + whims(12, 6))
+    assert told(learned, 11.0) == pytest.approx(after * float(torque_of(ROCK, np.array(11.0))), abs=400)
+
+
+def test_a_swinging_bit_learns_new_rock_within_two_swings() -> None:
+    learned = fresh_law(GUESS)
+    feed(learned, *swinging(90))
+    speeds, torques = swinging(10, seed=2)
+    feed(learned, speeds, 1.6 * torques)
+    for speed in (2.0, 5.0, 15.0):
+        assert told(learned, speed) == pytest.approx(1.6 * float(torque_of(ROCK, np.array(speed))), rel=0.1)
+
+
+def test_the_whims_of_rough_rock_are_no_new_rock() -> None:
+    """What is told after three minutes of them is the mean of the last minute, not of some seconds."""
+    misses = []
+    for seed in range(8):
+        learned = fresh_law(ROCK)
+        feed(learned, np.full(18_000, 11.0), torque_of(ROCK, np.full(18_000, 11.0)) + whims(180, seed))
+        misses.append(told(learned, 11.0) - float(torque_of(ROCK, np.array(11.0))))
+    # 500 N·m over 60 s that are forgotten evenly: 500 √(0.3/60) = 35 N·m; over 3 s it would be 160.
+    assert np.sqrt(np.mean(np.square(misses))) < 70
 
 
 def test_steady_drilling_leaves_what_it_cannot_tell_as_it_was() -> None:

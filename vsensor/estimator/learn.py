@@ -6,6 +6,8 @@ Weighted least squares with forgetting keeps their sums; the Stribeck speed whos
 A stick tells the static torque: the most that the bit withstood before it broke loose.
 Outliers weigh less (Huber 1964), no number may turn negative (coordinate descent, as in Franc,
 Hlaváč and Navara 2005), and what the data does not tell stays as it was.
+The sums are kept twice, over a minute and over the last seconds in which the bit slid: where these show that
+weight on bit or rock have changed, they take the place of the former.
 """
 
 import math
@@ -30,6 +32,13 @@ STICK_WEIGHT_S = 1.0
 """A stick counts as much as so many seconds of sliding, or as it lasted if shorter."""
 MEMORY_S = 60.0
 """Time over which what was learned is forgotten: rock changes within minutes."""
+LATELY_S = 3.0
+"""The shorter memory, of time in which the bit slid: an abrupt change shows within it, and whims of the rock
+cancel out."""
+ONE_SIDED = 0.5
+"""The law has changed where the mean residual of late makes up such a share of the mean square,"""
+SHIFTED = 1.2
+"""and is so many times what is usual (rms). By chance it is a third: the rock forgets within 0.3 s."""
 INERTIA_S = 1.0
 """So many seconds of data weigh as much as staying with the present law."""
 TYPICAL_SPEED = 10.0
@@ -43,6 +52,8 @@ CONVINCED = 0.98
 SWEEPS = 40
 
 VISCOUS, KINETIC, STATIC = range(3)
+LONG, LATE = range(2)
+"""The two memories."""
 
 
 class Learned(NamedTuple):
@@ -53,11 +64,11 @@ class Learned(NamedTuple):
     speeds: Floats
     """The Stribeck speeds in the contest, the configured one among them, shape (C,)."""
     normal: Floats
-    """Sums of weighted products of the regressors, shape (C, 3, 3),"""
+    """Sums of weighted products of the regressors in each memory, shape (2, C, 3, 3),"""
     right: Floats
-    """of regressors and torque, shape (C, 3),"""
+    """of regressors and torque, shape (2, C, 3),"""
     square: Floats
-    """of torque squared, shape (1,)."""
+    """of torque squared, shape (2,)."""
     fits: Floats
     """Each candidate's numbers, shape (C, 3)."""
     scale: Floats
@@ -78,9 +89,9 @@ def fresh_law(bit: Bit) -> Learned:
     return Learned(
         speeds=speeds,
         law=np.array([bit.viscous_friction, bit.kinetic_torque, bit.static_torque, bit.stribeck_speed]),
-        normal=np.zeros((candidates, 3, 3)),
-        right=np.zeros((candidates, 3)),
-        square=np.zeros(1),
+        normal=np.zeros((2, candidates, 3, 3)),
+        right=np.zeros((2, candidates, 3)),
+        square=np.zeros(2),
         fits=np.tile(guess, (candidates, 1)),
         scale=np.array([max(bit.kinetic_torque, 100.0), 0.0]),
         stop=np.array([0, nearest]),
@@ -103,8 +114,9 @@ def learn(learned: Learned, held: float, speed: float, torque: float, rate: floa
 
     Of the torque `held` (N·m) may be held by resting parts of the wall, and need not be by the bit.
     """
-    _forget(learned, math.exp(-1 / (MEMORY_S * rate)))
+    _forget(learned, LONG, math.exp(-1 / (MEMORY_S * rate)))
     if abs(speed) > SLIDING:
+        _forget(learned, LATE, math.exp(-1 / (LATELY_S * rate)))
         if learned.stop[0] >= STICK_S * rate:
             weight = min(float(learned.stop[0]), STICK_WEIGHT_S * rate)
             _add(learned, 0.0, learned.scale[1], weight)
@@ -114,6 +126,8 @@ def learn(learned: Learned, held: float, speed: float, torque: float, rate: floa
         learned.stop[0] += 1
         learned.scale[1] = max(learned.scale[1], abs(torque) - held)
     if tick % max(1, int(EVERY_S * rate)) == 0:
+        if _has_changed(learned, INERTIA_S * rate):
+            _begin_anew(learned)
         _work_out(learned, INERTIA_S * rate)
 
 
@@ -125,13 +139,46 @@ def lose_sight(learned: Learned) -> None:
 
 
 @compiled
-def _forget(learned: Learned, share: float) -> None:
+def _forget(learned: Learned, memory: int, share: float) -> None:
     for c in range(learned.speeds.shape[0]):
         for i in range(3):
-            learned.right[c, i] *= share
+            learned.right[memory, c, i] *= share
             for j in range(3):
-                learned.normal[c, i, j] *= share
-    learned.square[0] *= share
+                learned.normal[memory, c, i, j] *= share
+    learned.square[memory] *= share
+
+
+@compiled
+def _has_changed(learned: Learned, least: float) -> bool:
+    """Whether what the law left over of late is of one sign, and more than is usual: a shift, no scatter."""
+    chosen = learned.stop[1]
+    p, normal, right = learned.fits[chosen], learned.normal[LATE, chosen], learned.right[LATE, chosen]
+    weight = _weight(normal)
+    left = right[KINETIC] + right[STATIC]
+    for i in range(3):
+        left -= p[i] * (normal[i, KINETIC] + normal[i, STATIC])
+    of_mean = left * left
+    if weight < least or of_mean < ONE_SIDED * weight * _residual(learned, LATE, chosen):
+        return False
+    usual, weight_long = _residual(learned, LONG, chosen), _weight(learned.normal[LONG, chosen])
+    return bool(of_mean * weight_long > SHIFTED * SHIFTED * weight * weight * usual)
+
+
+@compiled
+def _weight(normal: Floats) -> float:
+    """The sum of all weights: the regressors 1 − e and e add up to 1."""
+    return float(normal[KINETIC, KINETIC] + 2.0 * normal[KINETIC, STATIC] + normal[STATIC, STATIC])
+
+
+@compiled
+def _begin_anew(learned: Learned) -> None:
+    """Forget all but the last seconds. Element by element: no array is allocated in a kernel."""
+    for c in range(learned.speeds.shape[0]):
+        for i in range(3):
+            learned.right[LONG, c, i] = learned.right[LATE, c, i]
+            for j in range(3):
+                learned.normal[LONG, c, i, j] = learned.normal[LATE, c, i, j]
+    learned.square[LONG] = learned.square[LATE]
 
 
 @compiled
@@ -151,10 +198,16 @@ def _add(learned: Learned, speed: float, torque: float, weight: float) -> None:
         fallen = math.exp(-speed / learned.speeds[c])
         row = (speed, 1.0 - fallen, fallen)
         for i in range(3):
-            learned.right[c, i] += weight * row[i] * torque
+            _add_both(learned.right[:, c, i], weight * row[i] * torque)
             for j in range(3):
-                learned.normal[c, i, j] += weight * row[i] * row[j]
-    learned.square[0] += weight * torque * torque
+                _add_both(learned.normal[:, c, i, j], weight * row[i] * row[j])
+    _add_both(learned.square, weight * torque * torque)
+
+
+@compiled
+def _add_both(sums: Floats, more: float) -> None:
+    sums[LONG] += more
+    sums[LATE] += more
 
 
 @compiled
@@ -164,11 +217,11 @@ def _work_out(learned: Learned, inertia: float) -> None:
     for c in range(learned.speeds.shape[0]):
         _fit(learned, c, inertia)
     for c in range(learned.speeds.shape[0]):
-        if _residual(learned, c) < _residual(learned, best):
+        if _residual(learned, LONG, c) < _residual(learned, LONG, best):
             best = c
     # The bit must have been slow for a while, by the measure of either, before they can be told apart.
-    slow = min(learned.normal[best, STATIC, STATIC], learned.normal[chosen, STATIC, STATIC])
-    if slow > inertia and _residual(learned, best) < CONVINCED * _residual(learned, chosen):
+    slow = min(learned.normal[LONG, best, STATIC, STATIC], learned.normal[LONG, chosen, STATIC, STATIC])
+    if slow > inertia and _residual(learned, LONG, best) < CONVINCED * _residual(learned, LONG, chosen):
         chosen = best
     learned.stop[1] = chosen
     for i in range(3):
@@ -180,9 +233,9 @@ def _work_out(learned: Learned, inertia: float) -> None:
 def _fit(learned: Learned, c: int, inertia: float) -> None:
     """Least squares over numbers that are not negative, held back by those of before."""
     p = learned.fits[c]
-    a = learned.normal[c]
+    a = learned.normal[LONG, c]
     stay = (inertia * TYPICAL_SPEED**2, inertia, inertia)
-    right = learned.right[c]
+    right = learned.right[LONG, c]
     pull = (right[0] + stay[0] * p[0], right[1] + stay[1] * p[1], right[2] + stay[2] * p[2])
     for _ in range(SWEEPS):
         moved = False
@@ -200,12 +253,12 @@ def _fit(learned: Learned, c: int, inertia: float) -> None:
 
 
 @compiled
-def _residual(learned: Learned, c: int) -> float:
+def _residual(learned: Learned, memory: int, c: int) -> float:
     p = learned.fits[c]
-    total = learned.square[0]
+    total = learned.square[memory]
     for i in range(3):
-        total -= 2 * p[i] * learned.right[c, i]
+        total -= 2 * p[i] * learned.right[memory, c, i]
         for j in range(3):
-            total += p[i] * p[j] * learned.normal[c, i, j]
+            total += p[i] * p[j] * learned.normal[memory, c, i, j]
     # Below this share of the torque a residual is the rounding of these sums.
-    return float(max(total, 1e-6 * learned.square[0]))
+    return float(max(total, 1e-6 * learned.square[memory]))
