@@ -31,7 +31,7 @@ def estimate(
         bool,
         typer.Option(
             "--forecast/--no-forecast",
-            help="Without, the forecast is left out, which takes 0.8 of the time; all else stays the same.",
+            help="Without, the forecast is left out, which takes 0.75 of the time; all else stays the same.",
         ),
     ] = True,
 ) -> None:
