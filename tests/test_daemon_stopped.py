@@ -53,6 +53,8 @@ def test_after_a_stop_that_ends_its_links_it_catches_up_and_estimates_are_as_if_
     recorded = Session(path)
     assert verify(recorded, Engine(SHORT)).exact
     ticks = [r.message for r in recorded.messages((SENSOR_TICK,)) if isinstance(r.message, Tick)]
-    made_up = [tick.number / RATE for tick in ticks if tick.caught_up]
-    assert made_up
-    assert min(made_up) >= WARM_S - 1
+    assert any(tick.caught_up for tick in ticks)
+    # On a busy machine slots are skipped before the stop, too: no more is made up for there than had no tick.
+    before = [tick for tick in ticks if tick.number < (WARM_S - 1) * RATE]
+    without = before[-1].slot - before[0].slot + 1 - len({tick.slot for tick in before})
+    assert sum(tick.caught_up for tick in before) <= without
