@@ -10,7 +10,8 @@ from tests.strings import BIT, COLLAR, DRIVE, PIPE, rig, strings
 from tests.test_estimator import record, same
 from vsensor.bench.well import deep_well
 from vsensor.config import Component, Rig, Tuning
-from vsensor.estimator.abreast import LANES, WORTHWHILE, most_abreast
+from vsensor.estimator.abreast import WORTHWHILE, most_abreast
+from vsensor.estimator.bits import LANES
 from vsensor.estimator.estimator import Estimates, Estimator
 from vsensor.estimator.kernel import FORECAST, NO_FORECAST, OFF_BOTTOM, SPEED
 from vsensor.estimator.score import NOW

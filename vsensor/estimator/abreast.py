@@ -12,24 +12,26 @@ from typing import NamedTuple
 import numpy as np
 
 from vsensor.estimator.ahead import reach, time_to
-from vsensor.estimator.exponential import exponential
+from vsensor.estimator.bits import (
+    BALANCE,
+    EXTERNAL,
+    LANES,
+    PARTS,
+    SPEED,
+    move_bits,
+    set_out_bit,
+    tell_torques,
+    turn_bits,
+)
 from vsensor.estimator.learn import load_in_force
-from vsensor.estimator.load import CLOSE, MOST, Load, foot, law
 from vsensor.estimator.ring import mask_of
 from vsensor.estimator.score import HORIZONS
 from vsensor.estimator.sections import Floats, Integers, Line
 from vsensor.estimator.state import BIT, Model, State
 from vsensor.jit import COMPILED, compiled
 
-LANES = 64
-"""So many ticks march at once: vectors enough to follow each other without a pause."""
 WORTHWHILE = 16
 """Fewer are done sooner one by one."""
-
-# Where the bits' numbers begin in one array, a lane each: of its parts the compiler sees that they lie apart.
-PARTS = 13
-SPEED, BALANCE, EXTERNAL, DRIVE, FOUND, UNSETTLED = range(0, 6 * LANES, LANES)
-VISCOUS, KINETIC, STATIC, STRIBECK, RATE, RESISTANCE, MOBILITY = range(6 * LANES, PARTS * LANES, LANES)
 
 
 class Room(NamedTuple):
@@ -46,7 +48,7 @@ class Room(NamedTuple):
     speeds: Floats
     """Of the junctions, shape (M + 1, LANES)."""
     bits: Floats
-    """Of the bits, what stands above."""
+    """Of the bits, as bits.py has it."""
     told: Floats
     """Speed of each at each step, and torque where it is asked for, shape (2, steps, LANES)."""
     asked: Integers
@@ -88,8 +90,7 @@ def most_abreast(model: Model) -> int:
 @compiled
 def set_out(model: Model, state: State, room: Room, lane: int) -> None:
     """Keep what the march of this tick sets out from."""
-    trips, bits = model.line.round_trip, room.bits
-    kept = room.kept[lane]
+    trips, kept = model.line.round_trip, room.kept[lane]
     for i in range(trips.shape[0]):
         ring = state.waves[0, i]
         mask = mask_of(ring.shape[0])
@@ -101,15 +102,10 @@ def set_out(model: Model, state: State, room: Room, lane: int) -> None:
     for junction in range(room.speeds.shape[0]):
         room.speeds[junction, lane] = state.junctions[0, junction]
     load = load_in_force(state.learned, model.bit_rate)
-    bits[SPEED + lane] = state.junctions[0, -1]
-    bits[BALANCE + lane] = state.balances[0, BIT]
-    bits[EXTERNAL + lane] = state.rock[0] * model.fade
-    bits[VISCOUS + lane], bits[KINETIC + lane] = load.viscous, load.kinetic
-    bits[STATIC + lane], bits[STRIBECK + lane] = load.static, load.stribeck
-    at = foot(model.line)
-    resistance = model.bit_rate + at.impedance + at.viscous + load.viscous
-    bits[RESISTANCE + lane], bits[MOBILITY + lane] = resistance, 1.0 / resistance
-    bits[RATE + lane] = 1.0 / load.stribeck
+    set_out_bit(model.line, load, model.bit_rate, room.bits, lane)
+    room.bits[SPEED + lane] = state.junctions[0, -1]
+    room.bits[BALANCE + lane] = state.balances[0, BIT]
+    room.bits[EXTERNAL + lane] = state.rock[0] * model.fade
 
 
 @compiled
@@ -137,10 +133,10 @@ def march_abreast(model: Model, room: Room, steps: int) -> None:
         run = min(length, steps - first)
         for step in range(first, first + run):
             arriving = room.waves[last, _row(rows[last], step - first, trips[last])]
-            _turn_bits(line, model.bit_rate, arriving, room.bits)
+            turn_bits(line, model.bit_rate, arriving, room.bits)
             if room.asked[step]:
-                _tell_torques(arriving, room.bits, room.told[1, step])
-            _move_bits(line, model.bit_rate, model.fade, arriving, room.bits, room.told[0, step])
+                tell_torques(arriving, room.bits, room.told[1, step])
+            move_bits(line, model.bit_rate, model.fade, arriving, room.bits, room.told[0, step])
         matters = steps - first - trips[last]
         for i in range(last - 1, -1, -1):
             if i < 0 or matters <= 0:
@@ -182,89 +178,6 @@ def _lay(line: Line, room: Room) -> None:
         before += line.round_trip[i]
     _copy(room.waves[0, line.round_trip[0] - 1], room.held)
     room.rows[:] = 0
-
-
-@compiled
-def _turn_bits(line: Line, inertia_rate: float, arriving: Floats, bits: Floats) -> None:
-    """Find how fast each bit turns, as `load.turn_bit` does: one step of Newton's for all, mostly enough."""
-    at = foot(line)
-    unsettled = 0
-    for lane in range(LANES):
-        before, kinetic, static = bits[SPEED + lane], bits[KINETIC + lane], bits[STATIC + lane]
-        drive = arriving[lane] - bits[EXTERNAL + lane] + inertia_rate * before + bits[BALANCE + lane]
-        left = abs(drive) - kinetic - at.kinetic
-        resistance = bits[RESISTANCE + lane]
-        x = left * bits[MOBILITY + lane]
-        slides = (x > 0) & ((before != 0) | (abs(drive) > static + at.static))
-        falls = slides & (static != kinetic)
-        nearer, settled = _nearer(x, left, resistance, static - kinetic, bits[RATE + lane])
-        bits[DRIVE + lane] = drive
-        bits[FOUND + lane] = (nearer if falls else x) if slides else 0.0
-        bits[UNSETTLED + lane] = 1.0 if falls & (not settled) else 0.0
-        unsettled += 1 if falls & (not settled) else 0
-    for _ in range(MOST - 1):
-        if unsettled == 0:
-            break
-        unsettled = _approach(line, bits)
-
-
-@compiled
-def _approach(line: Line, bits: Floats) -> int:
-    """One more of Newton's steps for those that need it; returns how many still do."""
-    at = foot(line)
-    unsettled = 0
-    for lane in range(LANES):
-        goes_on = bits[UNSETTLED + lane] != 0
-        kinetic, x = bits[KINETIC + lane], bits[FOUND + lane]
-        left = abs(bits[DRIVE + lane]) - kinetic - at.kinetic
-        fall = bits[STATIC + lane] - kinetic
-        nearer, settled = _nearer(x, left, bits[RESISTANCE + lane], fall, bits[RATE + lane])
-        bits[FOUND + lane] = nearer if goes_on else x
-        bits[UNSETTLED + lane] = 1.0 if goes_on & (not settled) else 0.0
-        unsettled += 1 if goes_on & (not settled) else 0
-    return unsettled
-
-
-@compiled
-def _nearer(x: float, drive: float, resistance: float, fall: float, rate: float) -> tuple[float, bool]:
-    """One of Newton's steps as in `load._sliding`, and whether it was the last; 0 where the bit is held."""
-    gone = fall * exponential(-x * rate)
-    slope = gone * rate
-    steep = resistance - slope
-    change = (resistance * x + gone - drive) / steep
-    x -= change
-    held = (steep <= 0) | (x <= 0)
-    near = slope * rate * change * change <= CLOSE * x * steep
-    return 0.0 if held else x, held | near
-
-
-@compiled
-def _tell_torques(arriving: Floats, bits: Floats, told: Floats) -> None:
-    """Tell what the bits are about to meet."""
-    for lane in range(LANES):
-        load = Load(
-            bits[VISCOUS + lane], bits[KINETIC + lane], bits[STATIC + lane], bits[STRIBECK + lane], 0.0
-        )
-        external = bits[EXTERNAL + lane]
-        w = math.copysign(bits[FOUND + lane], bits[DRIVE + lane])
-        told[lane] = external + (law(load, w) if w != 0 else arriving[lane] - external)
-
-
-@compiled
-def _move_bits(
-    line: Line, inertia_rate: float, fade: float, arriving: Floats, bits: Floats, told: Floats
-) -> None:
-    """Let the bits turn as was found, tell of it, and leave g in the place of the waves that arrived."""
-    impedance = line.impedance[-1]
-    for lane in range(LANES):
-        external, found = bits[EXTERNAL + lane], bits[FOUND + lane]
-        w = math.copysign(found, bits[DRIVE + lane]) if found != 0 else 0.0
-        balance = inertia_rate * (w - bits[SPEED + lane]) - bits[BALANCE + lane]
-        bits[BALANCE + lane] = balance if found != 0 else 0.0
-        bits[SPEED + lane] = w
-        bits[EXTERNAL + lane] = external * fade
-        told[lane] = w
-        arriving[lane] = arriving[lane] - external + external - 2 * impedance * w
 
 
 @compiled

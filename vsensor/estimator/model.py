@@ -10,14 +10,17 @@ from vsensor.estimator.along import Stations
 from vsensor.estimator.gains import gains
 from vsensor.estimator.responses import Plant, rock_fade
 from vsensor.estimator.score import FORECAST, HORIZONS, NOW
-from vsensor.estimator.sections import Integers, Line, longest_round_trips
-from vsensor.estimator.state import SHADOW_DELAY, Model, shadowed
+from vsensor.estimator.sections import Integers, Line, longest_round_trips, stretched
+from vsensor.estimator.state import Model
 from vsensor.estimator.tune import BOUND
 
 STICK_S = 0.1
 """A bit foretold to rest for so long sticks: shorter stops are the turning points of an oscillation."""
 ROUND_TRIPS = 2
 """After so many the waves that were guessed at the start, those of steady rotation, are forgotten."""
+SHADOW_DELAY = 0.008
+SHADOW_INERTIA = 0.05
+"""How far the shadows are off: enough to be told apart from rounding, too little to be another string."""
 
 
 def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
@@ -80,7 +83,26 @@ def timed(model: Model) -> Model:
     beyond = read_beyond(model.shares, model.steps)
     horizons = _horizons(model.line, model.behind * model.steps, model.horizon, beyond)
     now, forecast = int(horizons[NOW]), int(horizons[FORECAST])
-    return shadowed(model._replace(now=now, forecast=forecast, horizons=horizons))
+    return _shadowed(model._replace(now=now, forecast=forecast, horizons=horizons))
+
+
+def _shadowed(model: Model) -> Model:
+    """The model with shadows that are a little off: longer delays, shorter ones, more inertia, less."""
+    line, drive = model.line, float(model.drive_rates[0])
+    shift = max(1, round(SHADOW_DELAY * line.depth[-1]))
+    delay = shift / float(line.depth[-1])
+    longer, shorter = stretched(line, delay), stretched(line, -delay)
+    lines = (line, longer, shorter, line, line)
+    impedances = np.array([each.impedance for each in lines])
+    more, less = 1 + SHADOW_INERTIA, 1 - SHADOW_INERTIA
+    return model._replace(
+        impedances=impedances,
+        round_trips=np.array([each.round_trip for each in lines]),
+        mobilities=1.0 / (impedances[:, :-1] + impedances[:, 1:] + line.viscous[1:-1]),
+        drive_rates=drive * np.array([1.0, 1.0, 1.0, more, less]),
+        off=np.array([delay, SHADOW_INERTIA]),
+        shift=shift,
+    )
 
 
 def _horizons(line: Line, behind: int, horizon: int, beyond: int) -> Integers:

@@ -26,7 +26,7 @@ from vsensor.estimator.responses import (
     TOP_BALANCE,
     TOP_SPEED,
 )
-from vsensor.estimator.ring import mask_of
+from vsensor.estimator.ring import mask_of, room_of
 from vsensor.estimator.rise import rise
 from vsensor.estimator.score import VALUE
 from vsensor.estimator.sections import Floats, Integers, Line
@@ -219,7 +219,7 @@ def correct_told(of_innovation: Floats, told: Floats, last: int, innovation: Flo
 
     A bit that rested rested. Nobody asks what the top of a shadow did.
     """
-    lag, size = of_innovation.shape[1], mask_of(told.shape[2]) + 1
+    lag, size = of_innovation.shape[1], room_of(told.shape[2])
     done = 0
     while done < lag:
         at = (last + 1 - lag + done) & (size - 1)
@@ -245,7 +245,7 @@ def correct_waves(
 
     The gains (M, L) are those of an innovation of 1 rad/s, newest last.
     """
-    lag, size = of_innovation.shape[1], mask_of(waves.shape[2]) + 1
+    lag, size = of_innovation.shape[1], room_of(waves.shape[2])
     for i in range(waves.shape[1]):
         done = lag - min(inside[i], lag)
         while done < lag:

@@ -16,6 +16,12 @@ def length_of(steps: int) -> int:
 
 
 @compiled
+def room_of(length: int) -> int:
+    """For how many steps a ring of this length has room."""
+    return length - SPARE
+
+
+@compiled
 def mask_of(length: int) -> int:
     """Which bits of a step tell its place in a ring of this length."""
     return length - SPARE - 1

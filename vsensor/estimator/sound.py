@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from vsensor.config import Tuning as Settings
 from vsensor.estimator.ahead import read_beyond
 from vsensor.estimator.learn import KINETIC, STATIC, Learned
-from vsensor.estimator.ring import mask_of
+from vsensor.estimator.ring import room_of
 from vsensor.estimator.score import CHANGE, EXPECTED, VALUE, Scores
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import END, NEVER, NEXT, NONE, Model, State
@@ -83,14 +83,8 @@ def _times(model: Model, state: State) -> None:
     # Of the last tick; the march is told of in a ring, and was begun a few ticks ago.
     newest = done * model.steps
     reach = model.steps + read_beyond(model.shares, model.steps)
-    room = mask_of(state.ahead.shape[1]) + 1
-    _within(
-        "course",
-        course,
-        newest - reach,
-        newest + room,
-        "of the present march, or none",
-    )
+    room = room_of(state.ahead.shape[1])
+    _within("course", course, newest - reach, newest + room, "of the present march, or none")
     _within("course", course[NEXT], newest - reach, course[END], "before the march's end")
 
 

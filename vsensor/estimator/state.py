@@ -14,7 +14,7 @@ from vsensor.estimator.gains import Gains
 from vsensor.estimator.learn import Learned, fresh_law
 from vsensor.estimator.ring import length_of
 from vsensor.estimator.score import Scores, fresh_scores
-from vsensor.estimator.sections import Floats, Integers, Line, stretched
+from vsensor.estimator.sections import Floats, Integers, Line
 from vsensor.estimator.tare import RAMP_S
 from vsensor.estimator.tune import STRINGS, Tuning, fresh_tuning
 from vsensor.jit import compiled
@@ -37,9 +37,6 @@ LEARNED = ("scores", "learned", "tuning", "rock_square", "level")
 
 FIRST_ROCK = 400.0
 """Torque of the rock beyond the load law, N·m, as it is taken to be at first."""
-SHADOW_DELAY = 0.008
-SHADOW_INERTIA = 0.05
-"""How far the shadows are off: enough to be told apart from rounding, too little to be another string."""
 
 
 class Model(NamedTuple):
@@ -251,25 +248,6 @@ def _first_level(levels: Floats, bit: Bit) -> int:
     """Which of the levels is in force at first: half of what is guessed to hold the bit, at the most."""
     most = FIRST_ROCK if bit.static_torque == 0 else min(FIRST_ROCK, 0.5 * bit.static_torque)
     return int(np.argmin(np.abs(np.log(levels / most))))
-
-
-def shadowed(model: Model) -> Model:
-    """The model with shadows that are a little off: longer delays, shorter ones, more inertia, less."""
-    line, drive = model.line, float(model.drive_rates[0])
-    shift = max(1, round(SHADOW_DELAY * line.depth[-1]))
-    delay = shift / float(line.depth[-1])
-    longer, shorter = stretched(line, delay), stretched(line, -delay)
-    lines = (line, longer, shorter, line, line)
-    impedances = np.array([each.impedance for each in lines])
-    more, less = 1 + SHADOW_INERTIA, 1 - SHADOW_INERTIA
-    return model._replace(
-        impedances=impedances,
-        round_trips=np.array([each.round_trip for each in lines]),
-        mobilities=1.0 / (impedances[:, :-1] + impedances[:, 1:] + line.viscous[1:-1]),
-        drive_rates=drive * np.array([1.0, 1.0, 1.0, more, less]),
-        off=np.array([delay, SHADOW_INERTIA]),
-        shift=shift,
-    )
 
 
 def flat(state: State, wanted: Collection[str] = State._fields) -> dict[str, NDArray[np.generic]]:

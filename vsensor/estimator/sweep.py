@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from vsensor.estimator.line import pass_bit, pass_junction
 from vsensor.estimator.load import Load
-from vsensor.estimator.ring import mask_of
+from vsensor.estimator.ring import mask_of, room_of
 from vsensor.estimator.sections import Floats, Integers, Line
 from vsensor.jit import compiled
 
@@ -160,7 +160,7 @@ def _pass_up(
 @compiled
 def _slides(line: Line, waves: Floats, block: Span, i: int, run: int, before: float) -> bool:
     """Whether the junction below section i slides at each step of a run, and all f of that are heard."""
-    trip, size = line.round_trip[i], mask_of(waves.shape[1]) + 1
+    trip, size = line.round_trip[i], room_of(waves.shape[1])
     if before == 0 or (i == 0 and block.first + run - 1 - trip > block.heard):
         return False
     kinetic = line.kinetic[i + 1]
@@ -179,7 +179,7 @@ def _slides(line: Line, waves: Floats, block: Span, i: int, run: int, before: fl
 @compiled
 def _slide(line: Line, waves: Floats, first: int, i: int, run: int, onward: int) -> float:
     """Pass a junction that slides through a run, leave g of the first `onward` steps; returns its speed."""
-    trip, size = line.round_trip[i], mask_of(waves.shape[1]) + 1
+    trip, size = line.round_trip[i], room_of(waves.shape[1])
     z, below, kinetic = line.impedance[i], line.impedance[i + 1], line.kinetic[i + 1]
     mobility = 1.0 / (z + below + line.viscous[i + 1])
     w = 0.0
