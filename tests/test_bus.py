@@ -3,6 +3,7 @@
 import ctypes
 import itertools
 import json
+import os
 import resource
 import socket
 import subprocess
@@ -279,6 +280,29 @@ with open_session(Bus(listen=(sys.argv[1],)), "daemon"):
         check=False,
     )
     assert (done.stdout, done.stderr) == ("open\n", "")
+
+
+THREADS = """
+from pathlib import Path
+from sys import argv
+from vsensor.bus import open_session
+from vsensor.config import Bus
+with open_session(Bus(listen=(argv[1],)), "daemon"):
+    print(*(name.read_text().strip() for name in Path("/proc/self/task").glob("*/comm")))
+"""
+
+
+@pytest.mark.process
+@pytest.mark.parametrize(("told", "waits"), [("", False), ("(rx: (worker_threads: 1))", True)])
+def test_no_thread_but_those_that_decode_waits_for_packets_unless_an_operator_says_so(
+    bus: Bus, told: str, waits: bool
+) -> None:
+    told_so = {"ZENOH_RUNTIME": told} if told else {}
+    kept = {name: value for name, value in os.environ.items() if name != "ZENOH_RUNTIME"}
+    words = [sys.executable, "-c", THREADS, bus.listen[0]]
+    done = subprocess.run(words, env={**kept, **told_so}, capture_output=True, text=True, check=True)
+    assert "net-0" in done.stdout.split()
+    assert ("acc-0" in done.stdout.split()) == waits
 
 
 def test_the_daemon_listens_on_this_machine_alone(network: Bus, daemon: zenoh.Session) -> None:

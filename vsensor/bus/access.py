@@ -17,9 +17,12 @@ Role = Literal["daemon", "client"]
 PASSWORD = "VSENSOR_PASSWORD"  # noqa: S105 -- the name of a variable
 SETTINGS = "ZENOH_CONFIG"  # Zenoh's own name for it
 
-_AT_ONCE = {"transport/link/tx/queue/size/data": 16}
+_QUEUE = "transport/link/tx/queue"
+_AT_ONCE = {f"{_QUEUE}/size/data": 16, f"{_QUEUE}/congestion_control/drop/wait_before_drop": 0}
 """So many messages are held for a client that takes them slowly, Zenoh's most. By default it is two: the loop
-then waited at most of a turn's messages until Zenoh's thread, or a busy machine, had sent the one before."""
+then waited at most of a turn's messages until Zenoh's thread, or a busy machine, had sent the one before.
+Where there are more the next is dropped at once: by default the loop waits a millisecond for room first, and
+as many are dropped all the same."""
 
 _STUMBLED = re.compile(r'msg: "(?P<what>.*)", location: .*line: (?P<line>\d+), column: (?P<column>\d+)')
 _LOGIN = "transport/auth/usrpwd"
