@@ -41,7 +41,9 @@ def roomier(state: State) -> State:
         levels=np.tile(state.levels, 4),
         told=longer(state.told),
         ahead=longer(state.ahead),
-        scores=state.scores._replace(foretold=np.tile(state.scores.foretold, 4)),
+        scores=state.scores._replace(
+            foretold=np.tile(state.scores.foretold, 4), laws=np.tile(state.scores.laws, (1, 4, 1, 1))
+        ),
     )
 
 

@@ -25,8 +25,8 @@ from vsensor.estimator.tune import DELAY, EVERY_S, INERTIA, OFFSET, correct_dela
 
 LENGTH = "length"
 """The name under which a saved state holds the length of the topmost component, m;"""
-WAITING = "scores.foretold"
-"""and what was foretold, until it can be held against what came."""
+WAITING = ("scores.foretold", "scores.laws")
+"""and those of what was foretold, until it can be held against what came."""
 LONGEST_M = 25e3
 """Longer than any string that has grown: a length that was damaged, not one that was recorded."""
 
@@ -137,7 +137,8 @@ class Estimator(Known):
     def learned(self) -> dict[str, NDArray[np.generic]]:
         """What is worth knowing after all input was forgotten, as named arrays."""
         told = {LENGTH: np.array([self._rig.string[0].length]), **flat(self._state, LEARNED)}
-        del told[WAITING]  # predictions whose time will never come
+        for waiting in WAITING:  # predictions whose time will never come
+            del told[waiting]
         return told
 
     def begin_with(self, learned: Mapping[str, NDArray[np.generic]]) -> None:

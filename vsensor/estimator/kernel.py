@@ -13,8 +13,8 @@ from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.observe import note_rest, observe, settle
 from vsensor.estimator.responses import TOLD_BIT_TORQUE, TOLD_TOP_SPEED
 from vsensor.estimator.ring import mask_of
-from vsensor.estimator.score import CHANGE, EXPECTED, HORIZONS, VALUE, expect, foretell, score
 from vsensor.estimator.score import FORECAST as LAST
+from vsensor.estimator.score import HORIZONS, VALUE, expect, foretell, missed, score
 from vsensor.estimator.score import NOW as FIRST
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import NONE, Model, State
@@ -140,7 +140,7 @@ def _take(model: Model, state: State, torque: float, speed: float, reasons: int,
     if not doubts and (state.ticks[0] > SETTLED_S * model.rate or not model.learns):
         study_string(model, state)
     _expect(model, state, _kinds(reasons))
-    _lay_out(model, state, doubts, _kinds(reasons), out)
+    _lay_out(model, state, doubts, out)
     return doubts
 
 
@@ -226,25 +226,18 @@ def _before(model: Model, kind: int) -> int:
 
 
 @compiled
-def _lay_out(model: Model, state: State, reasons: int, kinds: int, out: Floats) -> None:
+def _lay_out(model: Model, state: State, reasons: int, out: Floats) -> None:
     """Fill a row with what is known of the answers before the march, `_answer` with the rest.
 
-    In place of deviations stand variances. What is to be foretold has in the place of value and deviation
-    what its miss is expected to be (score.py): what the gains tell, and for a change of 1.
+    In place of deviations stand variances.
     """
     out[:] = math.nan
     if reasons & _WARMING_UP:
         return
     confirmed = confirmed_step(model, state)
-    place = state.ticks[0] % state.scores.foretold.shape[3]
     for q in range(2):
         out[CONFIRMED + 2 * q] = state.told[0, q, confirmed & mask_of(state.told.shape[2])]
         out[CONFIRMED + 2 * q + 1] = _doubt(model, state, q, confirmed)
-        for kind, at in ((FIRST, NOW), (LAST, FORECAST)):
-            if kind < kinds and state.scores.scored[kind] > 0:
-                law = state.scores.law[kind, q]
-                out[at + 2 * q] = law[0] * state.scores.foretold[kind, q, EXPECTED, place]
-                out[at + 2 * q + 1] = law[1]
     _answer_top(model, state, out)
 
 
@@ -254,27 +247,21 @@ def _answer(state: State, tick: int, reasons: int, stick: float, out: Floats) ->
     if reasons & _WARMING_UP:
         return
     out[STICK] = stick
-    place = tick % state.scores.foretold.shape[3]
+    scores = state.scores
+    place = tick % scores.foretold.shape[3]
     for q in range(2):
         doubt = out[CONFIRMED + 2 * q + 1]
         if reasons & _STALE:  # what was not measured the string was told by the law
-            doubt += _missed(state, FIRST, q, place, out[NOW + 2 * q :])
+            doubt += missed(scores, FIRST, q, tick)
         if math.isnan(doubt):
             out[CONFIRMED + 2 * q] = math.nan
         else:
             _tell(out, CONFIRMED + 2 * q, out[CONFIRMED + 2 * q], doubt)
         for kind, at in ((FIRST, NOW), (LAST, FORECAST)):
-            missed = _missed(state, kind, q, place, out[at + 2 * q :])
-            if not math.isnan(missed):
+            miss = missed(scores, kind, q, tick)
+            if not math.isnan(miss):
                 # What was foretold was held against a confirmed answer that is not exact itself.
-                _tell(out, at + 2 * q, state.scores.foretold[kind, q, VALUE, place], missed + doubt)
-
-
-@compiled
-def _missed(state: State, kind: int, quantity: int, place: int, expected: Floats) -> float:
-    """Expected square of a miss of what was foretold, by what was laid out of it; see `score.variance`."""
-    change = state.scores.foretold[kind, quantity, CHANGE, place]
-    return float(expected[0] + expected[1] * change * change)
+                _tell(out, at + 2 * q, scores.foretold[kind, q, VALUE, place], miss + doubt)
 
 
 @compiled
