@@ -13,6 +13,7 @@ from tests.rigs import RATE, SHORT, samples, simulated
 from tests.strings import PIPE, rig
 from tests.test_arrivals import at_once, one_by_one
 from tests.test_intake import BEGUN, MS, SMALL, S, T, one, steps, ticks
+from vsensor.estimator.estimator import Estimator
 from vsensor.intake import Intake, stretch
 from vsensor.intake.frozen import LASTING_S, MOVED
 from vsensor.messages import Sample
@@ -39,7 +40,7 @@ def reasons(values: Iterable[tuple[float, float]], **measurement: float) -> list
 
 @pytest.mark.parametrize(("of", "reason"), [(0, Reason.FROZEN_TORQUE), (1, Reason.FROZEN_SPEED)])
 def test_a_channel_that_repeats_a_value_while_the_other_moves_is_frozen(of: int, reason: Reason) -> None:
-    """From three seconds on, and until it tells another value."""
+    """From three seconds on, while it is not known what is usual, and until it tells another value."""
     moving = [(5e3 * math.sin(k / 50), 5 * math.sin(k / 50)) for k in range(1000)]
     torque, speed = moving[200]
     frozen = [(torque, pair[1]) if of == 0 else (pair[0], speed) for pair in moving[200:700]]
@@ -47,6 +48,26 @@ def test_a_channel_that_repeats_a_value_while_the_other_moves_is_frozen(of: int,
     since = 200 + FROZEN_TICKS
     assert set(told[:since]) == set(told[700:]) == {Reason(0)}
     assert set(told[since:700]) == {reason}
+
+
+@pytest.mark.parametrize(("repeats", "since"), [(1, 30), (12, 120)])
+def test_what_is_too_long_to_be_usual_the_channel_itself_tells(repeats: int, since: int) -> None:
+    """Passed on at 100 Hz, and read as often, or once in so many ticks."""
+    moving = [(5e3 * math.sin(k // repeats / 7), 5 * math.sin(k / 10)) for k in range(1500)]
+    torque, _ = moving[1199]
+    told = reasons([*moving[:1200], *((torque, speed) for _, speed in moving[1200:])])
+    first = 1200 - repeats  # the last that was read
+    assert set(told[: first + since]) == {Reason(0)}
+    assert set(told[first + since :]) == {Reason.FROZEN_TORQUE}
+
+
+def test_a_long_stand_before_the_start_is_not_what_is_usual() -> None:
+    stands = [(0.0, 0.0)] * 3000
+    moving = [(5e3 * math.sin(k / 7), 5 * math.sin(k / 10)) for k in range(1, 1001)]
+    frozen = [(1234.5, speed) for _, speed in moving]
+    told = reasons([*stands, *moving, *frozen])
+    assert set(told[:4030]) == {Reason(0)}
+    assert set(told[4030:]) == {Reason.FROZEN_TORQUE}
 
 
 def test_where_both_stand_still_or_a_channel_is_without_noise_nothing_is_frozen() -> None:
@@ -79,7 +100,9 @@ def test_by_columns_and_gone_on_with_it_is_the_same(
     values = [(torque, speed) for torque, speed, count in runs for _ in range(count)]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(stretch, "FEWEST", 4)
-        patch.setattr("vsensor.intake.frozen.LASTING_S", 0.1)
+        for name, value in (("LASTING_S", 0.1), ("KNOWN_S", 0.4), ("SURELY_S", 0.03), ("SURELY_TICKS", 3)):
+            patch.setattr(f"vsensor.intake.frozen.{name}", value)
+        patch.setattr("vsensor.intake.frozen.UNUSUAL", 2)
         single, columns, first, second = (Intake(SMALL) for _ in range(4))
         fed = feed(values)
         expected = one_by_one(single, fed)
@@ -88,6 +111,27 @@ def test_by_columns_and_gone_on_with_it_is_the_same(
         begun = one_by_one(first, fed[:split])
         second.restore(json.loads(json.dumps(first.save())))
         assert begun + at_once(second, fed[split:], cut) == expected
+
+
+def test_a_frozen_channel_is_run_without_as_a_silent_one_is() -> None:
+    """To the bit: whatever it repeats is not looked at."""
+    readings = simulated(20)
+    torques = np.array([reading.motor_torque for reading in readings])
+    speeds = np.array([reading.motor_speed for reading in readings])
+    for frozen, stale, values in (
+        (Reason.FROZEN_TORQUE, Reason.STALE_TORQUE, torques),
+        (Reason.FROZEN_SPEED, Reason.STALE_SPEED, speeds),
+    ):
+        answers = []
+        for flag, repeated in ((stale, values[600]), (frozen, 0.0)):
+            flags = np.zeros(len(readings), np.uint32)
+            flags[600:800] = flag
+            told = values.copy()
+            told[600:800] = repeated
+            both = (told, speeds) if values is torques else (torques, told)
+            answers.append(Estimator(SHORT).run(*both, flags).values)
+        np.testing.assert_array_equal(answers[0], answers[1])
+        assert np.isfinite(answers[0][600:800, :12]).all()
 
 
 def test_what_comes_of_a_frozen_torque_is_not_called_good() -> None:
@@ -108,9 +152,10 @@ def test_the_other_must_move_by_more_than_its_noise() -> None:
     assert any(reasons(beyond))
 
 
+@pytest.mark.parametrize("place", [1, 4, 5])
 @pytest.mark.parametrize("count", [math.inf, 1e308, -1.0])
-def test_a_damaged_count_of_ticks_is_refused(count: float) -> None:
+def test_a_damaged_count_of_ticks_is_refused(count: float, place: int) -> None:
     saved = Intake(SMALL).save()
-    saved["frozen"][0] = [5.0, count, 0.0, 1.0]
-    with pytest.raises(ValueError, match=r"frozen\[0\]\[1\] holds .* where a whole number from 0"):
+    saved["frozen"][0][place] = count
+    with pytest.raises(ValueError, match=rf"frozen\[0\]\[{place}\] holds .* where a whole number from 0"):
         Intake(SMALL).restore(json.loads(json.dumps(saved)))

@@ -1,8 +1,10 @@
 """A channel that tells the very same value on and on, while the other one moves: a reading that has frozen.
 
 Drives and gateways do so when what they read from is gone, and many say nothing of it. Noise alone would
-change the last digit of a reading that lives. Where both stand still, as before the string turns, nothing is
-held against it, nor where the configuration says that a channel is without noise.
+change the last digit of a reading that lives. One that is read in coarse steps, or passed on more often than
+it is read, repeats itself now and then: for how long is usual the channel itself tells. Where both stand
+still, as before the string turns, nothing is held against it, nor where the configuration says that a channel
+is without noise.
 """
 
 import math
@@ -16,7 +18,14 @@ from vsensor.quality import Reason
 from vsensor.saved import Saved
 
 LASTING_S = 3.0
-"""A stiff drive's speed, read in coarse steps, may well repeat for a second."""
+"""A stiff drive's speed, read in coarse steps, may well repeat for a second: so long, at the start."""
+KNOWN_S = 10.0
+"""Once a channel was heard for so long, it is known what is usual for it:"""
+UNUSUAL = 10
+"""a repetition is held against it that is so many times longer than any before,"""
+SURELY_S = 0.3
+SURELY_TICKS = 10
+"""and longer than both of these."""
 MOVED = 20.0
 """Standard deviations of its noise that the other must have moved by meanwhile: noise alone never does."""
 MOST_TICKS = 1 << 53
@@ -44,59 +53,92 @@ NO_RUN = Run(math.nan, 0, math.inf, -math.inf)
 class _Reading:
     """One channel of the two."""
 
-    def __init__(self, reason: Reason, silent: Reason, least: int, moved: float) -> None:
+    def __init__(self, reason: Reason, silent: Reason, rate: float, moved: float) -> None:
         self._reason = int(reason)
         self._silent = int(silent)
-        self._least = least
+        self._surely = max(SURELY_TICKS, round(SURELY_S * rate))
+        self._lasting = max(self._surely, round(LASTING_S * rate))
+        self._known = round(KNOWN_S * rate)
         self._moved = moved
         self.run = NO_RUN
+        self.longest = 0
+        """Ticks of the longest run that is usual,"""
+        self.heard = 0
+        """and of all runs that have ended."""
 
     def take(self, value: float, other: float, reasons: int) -> int:
         if reasons & self._silent:  # what stands there is no reading, but the last one held
             self.run = NO_RUN
             return 0
+        if value != self.run.value:
+            self._end()
         self.run = run = self.run.on(value, other)
-        frozen = run.ticks > self._least and run.high - run.low > self._moved
-        return self._reason if frozen else 0
+        return self._reason if self._is_frozen(run) else 0
 
     def flags(self, values: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.uint32]:
         flags = np.zeros(len(values), np.uint32)
-        before = np.append(self.run.value, values[:-1])
-        begins = np.flatnonzero(values != before)
-        bounds = np.concatenate(([0], begins[begins > 0], [len(values)]))
-        long = np.diff(bounds) + np.where(bounds[:-1] == 0, self.run.ticks, 0) > self._least
-        for start, end in zip(bounds[:-1][long], bounds[1:][long], strict=True):
-            held = self.run if start == 0 and values[0] == self.run.value else NO_RUN
-            low = np.minimum.accumulate(np.append(held.low, others[start:end]))[1:]
-            high = np.maximum.accumulate(np.append(held.high, others[start:end]))[1:]
-            ticks = held.ticks + np.arange(1, end - start + 1)
-            flags[start:end][(ticks > self._least) & (high - low > self._moved)] = self._reason
-        self._follow(values, others, int(begins[-1]) if len(begins) else 0)
+        if values[0] != self.run.value:
+            self._end()
+        bounds = np.concatenate(([0], np.flatnonzero(np.diff(values)) + 1, [len(values)]))
+        lengths = np.diff(bounds)
+        lengths[0] += self.run.ticks
+        done = 0
+        for which in [*np.flatnonzero(lengths[:-1] > self._surely).tolist(), len(lengths) - 1]:
+            self._end_short(lengths[done:which])
+            done = which + 1
+            part = slice(bounds[which], bounds[which + 1])
+            held = self.run if which == 0 else NO_RUN
+            self.run = self._flag(held, float(values[part.start]), others[part], flags[part])
+            if done < len(lengths):
+                self._end()
         return flags
 
-    def _follow(self, values: NDArray[np.float64], others: NDArray[np.float64], begun: int) -> None:
-        """Take up the run in which the values end, which began there, or is the one from before."""
-        value, moved = float(values[-1]), others[begun:]
-        held = self.run if value == self.run.value and begun == 0 and values[0] == value else NO_RUN
-        low, high = min(held.low, float(moved.min())), max(held.high, float(moved.max()))
-        self.run = Run(value, held.ticks + len(moved), low, high)
+    def _flag(self, held: Run, value: float, others: NDArray[np.float64], flags: NDArray[np.uint32]) -> Run:
+        """Flag what is frozen of a run that goes on from another; returns the whole of it."""
+        low = np.minimum.accumulate(np.append(held.low, others))[1:]
+        high = np.maximum.accumulate(np.append(held.high, others))[1:]
+        ticks = held.ticks + np.arange(1, len(others) + 1)
+        flags[(ticks > self._least()) & (high - low > self._moved)] = self._reason
+        return Run(value, int(ticks[-1]), float(low[-1]), float(high[-1]))
+
+    def _least(self) -> int:
+        """Ticks beyond which a run is unusual."""
+        least = self._surely if self.heard >= self._known else self._lasting
+        return max(least, UNUSUAL * self.longest)
+
+    def _is_frozen(self, run: Run) -> bool:
+        return run.ticks > self._surely and run.high - run.low > self._moved and run.ticks > self._least()
+
+    def _end(self) -> None:
+        """Take account of a run that has ended: where it says what is usual."""
+        run = self.run
+        stood_still = run.ticks > self._lasting and not run.high - run.low > self._moved
+        if not stood_still and not self._is_frozen(run):
+            self.longest = max(self.longest, run.ticks)
+        self.heard += run.ticks
+        self.run = NO_RUN
+
+    def _end_short(self, lengths: NDArray[np.intp]) -> None:
+        """The same of runs that are none of those that could be frozen, nor still under way."""
+        self.longest = max(self.longest, int(lengths.max(initial=0)))
+        self.heard += int(lengths.sum())
 
 
 class Frozen:
     """Watches both channels' values at the ticks."""
 
     def __init__(self, rig: Rig) -> None:
-        measured, least = rig.measurement, round(LASTING_S * rig.loop.rate)
+        measured, rate = rig.measurement, rig.loop.rate
         torque, speed = measured.torque_noise, measured.speed_noise
         self._torque = _Reading(
-            Reason.FROZEN_TORQUE, Reason.STALE_TORQUE, least, MOVED * speed if torque else math.inf
+            Reason.FROZEN_TORQUE, Reason.STALE_TORQUE, rate, MOVED * speed if torque else math.inf
         )
         self._speed = _Reading(
-            Reason.FROZEN_SPEED, Reason.STALE_SPEED, least, MOVED * torque if speed else math.inf
+            Reason.FROZEN_SPEED, Reason.STALE_SPEED, rate, MOVED * torque if speed else math.inf
         )
 
     def forget(self) -> None:
-        """Begin anew."""
+        """Begin anew; what is usual stays."""
         self._torque.run = self._speed.run = NO_RUN
 
     def take(self, torque: float, speed: float, reasons: int) -> int:
@@ -112,20 +154,25 @@ class Frozen:
     def save(self) -> list[list[float | None]]:
         """What is remembered, as plain values: JSON knows neither NaN nor infinity."""
         return [
-            [number if math.isfinite(number) else None for number in reading.run]
+            [
+                *(number if math.isfinite(number) else None for number in reading.run),
+                reading.longest,
+                reading.heard,
+            ]
             for reading in (self._torque, self._speed)
         ]
 
     def restore(self, saved: Saved) -> None:
         """Take up what `save` gave. Raises ValueError for what it cannot have given."""
         for reading, row in zip((self._torque, self._speed), saved.row(2), strict=True):
-            value, ticks, low, high = row.row(4)
+            value, ticks, low, high, longest, heard = row.row(6)
             reading.run = Run(
                 _number(value, NO_RUN.value),
                 ticks.whole(0, MOST_TICKS),
                 _number(low, NO_RUN.low),
                 _number(high, NO_RUN.high),
             )
+            reading.longest, reading.heard = longest.whole(0, MOST_TICKS), heard.whole(0, MOST_TICKS)
 
 
 def _number(saved: Saved, otherwise: float) -> float:
