@@ -214,14 +214,23 @@ def test_a_stick_foretold_is_told_with_its_time() -> None:
 
 
 def test_each_correction_of_the_configuration_is_told_once() -> None:
-    watching = Watch(SMALL)
-    assert watching.corrections(0.0, 0.0, 0.0, 0.0) is None
-    event = watching.corrections(-0.0147, 0.0, 0.25, 120.0)
-    assert event is not None
+    watching, fine = Watch(SMALL), (0.0, 0.0)
+    assert watching.learned((0.0, 0.0, 0.0, 0.0), fine) == []
+    (event,) = watching.learned((-0.0147, 0.0, 0.25, 120.0), fine)
     assert event.text.endswith(
         "delay -1.47%, top-drive inertia +0.0%, wall friction +25.0%, torque's zero +120 N·m"
     )
-    assert watching.corrections(-0.0147, 0.0, 0.25, 120.0) is None
+    assert watching.learned((-0.0147, 0.0, 0.25, 120.0), fine) == []
+
+
+def test_a_channel_that_is_read_in_coarse_steps_is_told_with_them() -> None:
+    watching, nothing = Watch(SMALL), (0.0, 0.0, 0.0, 0.0)
+    (event,) = watching.learned(nothing, (100.0, math.pi / 30))
+    assert (event.name, event.begins) == ("coarse_reading", True)
+    assert event.text.endswith("told to be: 100 N·m of torque, 1 rpm of speed")
+    assert watching.learned(nothing, (100.0, math.pi / 30)) == []
+    (event,) = watching.learned(nothing, (0.0, 0.0))
+    assert not event.begins
 
 
 def test_depths_that_do_not_fit_the_string_are_told() -> None:

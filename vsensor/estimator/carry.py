@@ -26,6 +26,9 @@ KEPT = (
     "surprise",
     "rock_square",
     "level",
+    "steps",
+    "resolution",
+    "coarse",
     "ticks",
     "last_seen",
 )

@@ -1,5 +1,6 @@
 """What comes in at a tick: samples, what is wrong with them, and whether the bit is off bottom."""
 
+from vsensor.estimator.coarse import watch_steps
 from vsensor.estimator.state import FLAGS, Model, State
 from vsensor.estimator.tune import OFFSET
 from vsensor.jit import compiled
@@ -20,6 +21,7 @@ def enter(model: Model, state: State, torque: float, speed: float, flags: int) -
     offset = state.tuning.value[OFFSET] / model.passed
     _keep(state, 0, torque - offset, flags & NO_TORQUE != 0)
     _keep(state, 1, speed, flags & NO_SPEED != 0)
+    watch_steps(model, state, state.ticks[0] % state.inputs.shape[1])
     return flags
 
 

@@ -18,7 +18,14 @@ from vsensor.estimator.score import HORIZONS, VALUE, expect, foretell, missed, s
 from vsensor.estimator.score import NOW as FIRST
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import NONE, Model, State
-from vsensor.estimator.study import confirmed_step, foretold_for, study_rock, study_string, study_wall
+from vsensor.estimator.study import (
+    confirmed_step,
+    doubt_by_noise,
+    foretold_for,
+    study_rock,
+    study_string,
+    study_wall,
+)
 from vsensor.estimator.tune import DELAY, FRICTION, INERTIA, OFFSET, SETTLED_S, STRINGS, wall_torque
 from vsensor.jit import compiled
 from vsensor.quality import NO_SPEED, NO_TORQUE, Reason
@@ -159,7 +166,7 @@ def _lay(model: Model, state: State) -> None:
 def _doubt(model: Model, state: State, quantity: int, step: int) -> float:
     """Variance of a confirmed answer: by noise and rock, and by what is uncertain of the parameters."""
     mask = mask_of(state.told.shape[2])
-    by_noise = model.gains.variance[state.level[0], quantity] * max(1.0, state.surprise[0])
+    by_noise = doubt_by_noise(model, state, quantity)
     # With longer delays the bit of a moment is seen later.
     longer = state.told[1, quantity, (step + model.shift) & mask]
     shorter = state.told[2, quantity, (step - model.shift) & mask]
@@ -270,7 +277,7 @@ def _answer_top(model: Model, state: State, out: Floats) -> None:
     step = confirmed_step(model, state) - (model.now - model.behind * model.steps)
     at = step & mask_of(state.told.shape[2])
     for q in range(2):
-        doubt = model.gains.variance[state.level[0], 2 + q] * max(1.0, state.surprise[0])
+        doubt = doubt_by_noise(model, state, 2 + q)
         if q == 1:
             doubt += state.tuning.variance[OFFSET]
         _tell(out, TOP + 2 * q, state.told[0, 2 + q, at], doubt)

@@ -3,10 +3,11 @@
 import numpy as np
 
 from vsensor.config import Bit, Component, Rig
+from vsensor.estimator.coarse import coarseness
 from vsensor.estimator.gains import Gains
 from vsensor.estimator.responses import TOLD_TOP_SPEED
 from vsensor.estimator.sections import Floats, Line
-from vsensor.estimator.state import Model, State
+from vsensor.estimator.state import SPEED, TORQUE, Model, State
 
 
 class Known:
@@ -52,12 +53,23 @@ class Known:
     @property
     def noise(self) -> Floats:
         """Standard deviations that noise and rock leave to the confirmed speed and torque, shape (2,)."""
-        return np.asarray(np.sqrt(self._model.gains.variance[self._state.level[0], :TOLD_TOP_SPEED]))
+        variance = self._model.gains.variance[self._state.level[0], :TOLD_TOP_SPEED]
+        return np.asarray(np.sqrt(self._state.coarse * variance))
 
     @property
     def profile_noise(self) -> Floats:
         """The same of `profile`, laid out like it."""
-        return np.asarray(np.sqrt(self._model.gains.along[self._state.level[0]]))
+        return np.asarray(np.sqrt(self._state.coarse * self._model.gains.along[self._state.level[0]]))
+
+    @property
+    def coarse_steps(self) -> Floats:
+        """Steps in which motor torque (N·m) and speed (rad/s) are read, shape (2,).
+
+        0 where none are seen, or where they do not count beside the noise that was told.
+        """
+        model, state = self._model, self._state
+        counts = [coarseness(model, state, channel) > 1 for channel in (TORQUE, SPEED)]
+        return np.where(counts, state.resolution, 0.0)
 
     @property
     def bandwidth(self) -> float:

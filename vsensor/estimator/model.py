@@ -60,6 +60,7 @@ def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
         passed=passed,
         turns=drive.gear_ratio,
         limits=(measured.torque_limit / drive.gear_ratio, measured.speed_limit * drive.gear_ratio),
+        noise=(measured.torque_noise or math.inf, measured.speed_noise or math.inf),
         rate=rate,
         steps=steps,
         behind=behind,

@@ -192,7 +192,7 @@ def note_rest(model: Model, state: State) -> None:
 @compiled
 def _tamed(model: Model, state: State, which: int, innovation: float) -> float:
     """An innovation held within what can be believed; keeps count of how large they are."""
-    expected = model.gains.innovation[state.level[0]]
+    expected = model.gains.innovation[state.level[0]] * state.coarse[0]
     limit = WILD * math.sqrt(expected * max(1.0, state.surprise[which]))
     tamed = min(max(innovation, -limit), limit)
     state.surprise[which] += (tamed * tamed / expected - state.surprise[which]) / (SURPRISE_S * model.rate)

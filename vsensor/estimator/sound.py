@@ -61,6 +61,9 @@ def refuse_unsound(model: Model, settings: Settings, state: State) -> None:
     _within("surprise", state.surprise, 0, LARGEST**2)
     _within("unforeseen", state.unforeseen, 0, LARGEST**2)
     _within("rock_square", state.rock_square, LEAST, LARGEST**2)
+    _within("steps", state.steps, 0, LARGEST)
+    _within("resolution", state.resolution, 0, LARGEST)
+    _within("coarse", state.coarse, 1, LARGEST**2)
     for name in ("level", "levels"):
         _within(name, getattr(state, name), 0, len(model.gains.levels) - 1)
     _times(model, state)

@@ -32,7 +32,7 @@ NONE = -1
 """There is no such march."""
 NEVER = -(1 << 62)
 """When a flag was seen that has not been raised."""
-LEARNED = ("scores", "learned", "tuning", "rock_square", "level")
+LEARNED = ("scores", "learned", "tuning", "rock_square", "level", "resolution", "coarse")
 """What stays when the waves are lost: these, and all within them."""
 
 FIRST_ROCK = 400.0
@@ -67,6 +67,8 @@ class Model(NamedTuple):
     """Motor turns for one of the string."""
     limits: tuple[float, float]
     """Motor torque, N·m, and speed, rad/s, beyond which a value is taken for missing."""
+    noise: tuple[float, float]
+    """What is told of motor torque's, N·m, and of speed's, rad/s; infinite where there is none."""
     rate: float
     """Ticks a second."""
     steps: int
@@ -133,6 +135,12 @@ class State(NamedTuple):
     """Mean square of the rock's torque, (N·m)², shape (1,)."""
     level: Integers
     """Which of the gains are in force, shape (1,)."""
+    steps: Floats
+    """What is seen of the steps in which each channel is read (coarse.py), shape (2, 3);"""
+    resolution: Floats
+    """how large they are, N·m and rad/s, 0 where none were seen, shape (2,);"""
+    coarse: Floats
+    """and how much larger the variance of noise is for it than told, shape (1,)."""
     ticks: Integers
     """Ticks done, and the tick at which the waves were laid last, shape (2,)."""
     last_seen: Integers
@@ -231,6 +239,9 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
         held=np.zeros(model.lag + 1),
         rock_square=np.array([model.gains.levels[level] ** 2]),
         level=np.array([level]),
+        steps=np.zeros((2, 3)),
+        resolution=np.zeros(2),
+        coarse=np.ones(1),
         ticks=np.zeros(2, np.int64),
         last_seen=np.full(FLAGS, NEVER, np.int64),
         learned=fresh_law(bit),

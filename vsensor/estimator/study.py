@@ -38,6 +38,13 @@ def foretold_for(model: Model, state: State, kind: int) -> tuple[int, int]:
 
 
 @compiled
+def doubt_by_noise(model: Model, state: State, quantity: int) -> float:
+    """Variance of a confirmed answer by noise and rock, as far as innovations are no larger than foreseen."""
+    told = model.gains.variance[state.level[0], quantity]
+    return float(told * state.coarse[0] * max(1.0, state.surprise[0]))
+
+
+@compiled
 def study_rock(model: Model, state: State) -> None:
     """Learn of rock and load law from what is confirmed of a bit on bottom."""
     tick, step = foretold_for(model, state, NOW)
@@ -67,7 +74,8 @@ def _unmoved(state: State, tick: int, speed: float) -> float:
 def study_string(model: Model, state: State) -> None:
     """Add up how well the model foresaw this tick's speed, and its shadows with longer and shorter delays."""
     misfit = state.tuning.misfit
-    expected = model.gains.innovation[state.level[0]] * max(LEAST_SURPRISE, state.surprise[0])
+    by_noise = model.gains.innovation[state.level[0]] * state.coarse[0]
+    expected = by_noise * max(LEAST_SURPRISE, state.surprise[0])
     keep = 1.0 - 1.0 / (MEMORY_S * model.rate)
     for which in range(misfit.shape[0]):
         misfit[which] = keep * misfit[which] + state.innovation[which] ** 2 / expected
@@ -88,7 +96,7 @@ def study_wall(model: Model, state: State) -> None:
     steady = abs(top) > TURNING and abs(speed - top) < STEADY * abs(top)
     state.tuning.steady[0] = state.tuning.steady[0] + 1 if steady else 0
     if state.tuning.steady[0] > STEADY_S * model.rate:
-        doubt = model.gains.variance[state.level[0], TOLD_BIT_TORQUE] * max(1.0, state.surprise[0])
+        doubt = doubt_by_noise(model, state, TOLD_BIT_TORQUE)
         step_s = 1.0 / (model.rate * model.steps)
         inertia = 0.5 * model.drive_rates[0] * step_s
         inertial = inertia * acceleration(state.told[0, TOLD_TOP_SPEED], step, travel, step_s)

@@ -2,6 +2,7 @@
 
 import math
 import time
+from collections.abc import Sequence
 
 from vsensor.commands import COMMAND
 from vsensor.config import Rig
@@ -21,6 +22,7 @@ STICK_SLIP = 1.0
 """Severity from which the bit stops in each period."""
 STANDING_S = 15.0
 """A string that has stood still for so long hangs in slips: a bit's stick is over sooner."""
+RPM = 30 / math.pi
 RELIEVED = 0.05
 """Over-torque ends once the least margin is this again: noise on the torque does not end and begin it."""
 
@@ -75,6 +77,11 @@ class Watch:
             "depths_silent",
             "a depth channel is silent, or its clock is apart: the bit is held to be on bottom unless told",
             "the depths are told again",
+        )
+        self._coarse = Condition(
+            "coarse_reading",
+            "a channel is read in coarser steps than its noise was told to be: ",
+            "no channel is read in coarser steps than its noise any longer",
         )
         self._no_profile = Condition(
             "profile_shed",
@@ -173,8 +180,23 @@ class Watch:
         )
         return [event for event in seen if event is not None]
 
-    def corrections(self, delay: float, inertia: float, friction: float, offset: float) -> Event | None:
-        """Look at the corrections of the configuration in force, as shares, and the torque's offset, N·m."""
+    def learned(self, tuning: Sequence[float], steps: Sequence[float]) -> list[Event]:
+        """Look at what the record has told of the rig.
+
+        Corrections in force: shares of delay, inertia and friction, and the torque's offset, N·m. Steps in
+        which torque (N·m) and speed (rad/s) are read, where they are coarser than noise.
+        """
+        torque, speed = steps
+        details = f"{torque:.3g} N·m of torque, {speed * RPM:.3g} rpm of speed"
+        seen = (
+            self._look_at_corrections(*tuning),
+            self._coarse.see(any(steps), self._last_ns, details if any(steps) else ""),
+        )
+        return [event for event in seen if event is not None]
+
+    def _look_at_corrections(
+        self, delay: float, inertia: float, friction: float, offset: float
+    ) -> Event | None:
         if (now := (delay, inertia, friction, offset)) == self._tuning:
             return None
         self._tuning = now

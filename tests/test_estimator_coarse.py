@@ -1,0 +1,98 @@
+"""Readings in steps that are coarser than the noise that was told: seen for what they are, and doubted."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.rigs import RATE, SHORT
+from vsensor.estimator.coarse import CHANGES, SHARES
+from vsensor.estimator.estimator import Estimator
+from vsensor.estimator.figures import STUCK_SPEED
+from vsensor.estimator.kernel import CONFIRMED
+from vsensor.estimator.sections import Floats
+from vsensor.simulate.rig import SimulatedRig
+from vsensor.simulate.scenario import PLANS, Scenario
+
+TOLD = SHORT.measurement.torque_noise, SHORT.measurement.speed_noise
+RPM = np.pi / 30
+
+
+@pytest.fixture(scope="module")
+def record() -> Floats:
+    """Motor torque and speed, and the bit's speed at its own time, 60 s of stick-slip, shape (4, n)."""
+    source = SimulatedRig(SHORT, PLANS[Scenario.STICK_SLIP], seed=1)
+    readings = [source.sample() for _ in range(60 * RATE)]
+    return np.array([(r.motor_torque, r.motor_speed, r.bit_time_s, r.bit_speed) for r in readings]).T
+
+
+def read_in(step: float, values: Floats) -> Floats:
+    return np.round(values / step) * step if step else values
+
+
+def coarse(torque: Floats, speed: Floats) -> tuple[Floats, float]:
+    sensor = Estimator(SHORT)
+    sensor.run(torque, speed)
+    return sensor.coarse_steps, float(sensor._state.coarse[0])
+
+
+@pytest.mark.parametrize(("torque_step", "speed_step"), [(0.0, RPM), (1000.0, 0.0), (1000.0, RPM)])
+def test_the_steps_of_a_reading_are_found_and_what_they_cost(
+    record: Floats, torque_step: float, speed_step: float
+) -> None:
+    steps, squared = coarse(read_in(torque_step, record[0]), read_in(speed_step, record[1]))
+    for found, step in zip(steps, (torque_step, speed_step), strict=True):
+        assert found == pytest.approx(step)
+    counts = np.multiply(SHARES, (torque_step, speed_step)) / TOLD
+    assert squared == pytest.approx(counts.max() ** 2)
+
+
+@pytest.mark.parametrize("digits", [None, 3, 2])
+def test_a_reading_that_is_finer_than_its_noise_is_taken_as_told(record: Floats, digits: int | None) -> None:
+    """Continuous, or printed with a few decimals: 0.01 rad/s where the noise is 0.015."""
+    torque, speed = (values if digits is None else np.round(values, digits) for values in record[:2])
+    steps, squared = coarse(torque, speed)
+    assert squared == 1.0
+    assert (steps == 0).all()
+
+
+@settings(max_examples=20)
+@given(st.floats(0.03, 1.0), st.integers(0, 2**32 - 1))
+def test_whatever_the_step_and_the_changes_it_is_found(step: float, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    whole = random.integers(40, 60, 5 * RATE).astype(float)
+    found, _ = coarse(random.normal(5e3, 80.0, len(whole)), step * whole)
+    assert len(np.flatnonzero(np.diff(whole))) > CHANGES
+    assert found[1] == pytest.approx(step)
+
+
+@settings(max_examples=20)
+@given(st.integers(0, 2**32 - 1))
+def test_noise_has_no_steps(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    count = 5 * RATE
+    assert coarse(random.normal(5e3, 800.0, count), random.normal(10.0, 0.15, count))[1] == 1.0
+
+
+def test_a_speed_in_whole_revolutions_does_not_pass_for_a_restless_rock(record: Floats) -> None:
+    """The error stays a fraction of what it is where the noise is believed, and within what is stated."""
+    torque, speed, times, truth = record
+    sensor = Estimator(SHORT)
+    told = sensor.run(torque, read_in(RPM, speed)).values
+    at = np.arange(len(told)) / RATE - sensor.confirmed_delay
+    begun = round(20 * RATE)
+    true = np.interp(at[begun:], times, truth)
+    error = told[begun:, CONFIRMED] - true
+    assert np.mean(np.abs(error) <= 2 * told[begun:, CONFIRMED + 1]) >= 0.9
+    assert np.sqrt(np.mean(error**2)) < 0.03 * np.ptp(true)
+    assert sensor.rock_std < 600.0
+    assert true.min() < STUCK_SPEED
+
+
+def test_what_is_known_of_the_steps_outlives_a_gap_and_is_saved(record: Floats) -> None:
+    sensor, other = Estimator(SHORT), Estimator(SHORT)
+    sensor.run(record[0], read_in(RPM, record[1]))
+    sensor.restart()
+    assert sensor.coarse_steps[1] == pytest.approx(RPM)
+    other.begin_with(sensor.learned())
+    np.testing.assert_array_equal(other.coarse_steps, sensor.coarse_steps)
