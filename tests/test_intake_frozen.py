@@ -13,7 +13,6 @@ from tests.rigs import RATE, SHORT, samples, simulated
 from tests.strings import PIPE, rig
 from tests.test_arrivals import at_once, one_by_one
 from tests.test_intake import BEGUN, MS, SMALL, S, T, one, steps, ticks
-from vsensor.estimator.estimator import Estimator
 from vsensor.intake import Intake, stretch
 from vsensor.intake.frozen import LASTING_S, MOVED
 from vsensor.messages import Sample
@@ -111,27 +110,6 @@ def test_by_columns_and_gone_on_with_it_is_the_same(
         begun = one_by_one(first, fed[:split])
         second.restore(json.loads(json.dumps(first.save())))
         assert begun + at_once(second, fed[split:], cut) == expected
-
-
-def test_a_frozen_channel_is_run_without_as_a_silent_one_is() -> None:
-    """To the bit: whatever it repeats is not looked at."""
-    readings = simulated(20)
-    torques = np.array([reading.motor_torque for reading in readings])
-    speeds = np.array([reading.motor_speed for reading in readings])
-    for frozen, stale, values in (
-        (Reason.FROZEN_TORQUE, Reason.STALE_TORQUE, torques),
-        (Reason.FROZEN_SPEED, Reason.STALE_SPEED, speeds),
-    ):
-        answers = []
-        for flag, repeated in ((stale, values[600]), (frozen, 0.0)):
-            flags = np.zeros(len(readings), np.uint32)
-            flags[600:800] = flag
-            told = values.copy()
-            told[600:800] = repeated
-            both = (told, speeds) if values is torques else (torques, told)
-            answers.append(Estimator(SHORT).run(*both, flags).values)
-        np.testing.assert_array_equal(answers[0], answers[1])
-        assert np.isfinite(answers[0][600:800, :12]).all()
 
 
 def test_what_comes_of_a_frozen_torque_is_not_called_good() -> None:

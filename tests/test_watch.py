@@ -214,22 +214,30 @@ def test_a_stick_foretold_is_told_with_its_time() -> None:
 
 
 def test_each_correction_of_the_configuration_is_told_once() -> None:
-    watching, fine = Watch(SMALL), (0.0, 0.0)
-    assert watching.learned((0.0, 0.0, 0.0, 0.0), fine) == []
-    (event,) = watching.learned((-0.0147, 0.0, 0.25, 120.0), fine)
+    watching, as_told = Watch(SMALL), (1.0, (0.0, 0.0))
+    assert watching.learned((0.0, 0.0, 0.0, 0.0), *as_told) == []
+    (event,) = watching.learned((-0.0147, 0.0, 0.25, 120.0), *as_told)
     assert event.text.endswith(
         "delay -1.47%, top-drive inertia +0.0%, wall friction +25.0%, torque's zero +120 N·m"
     )
-    assert watching.learned((-0.0147, 0.0, 0.25, 120.0), fine) == []
+    assert watching.learned((-0.0147, 0.0, 0.25, 120.0), *as_told) == []
 
 
-def test_a_channel_that_is_read_in_coarse_steps_is_told_with_them() -> None:
+@pytest.mark.parametrize(
+    ("steps", "told"),
+    [
+        ((0.0, 0.0), "noisier than told: by 3.0 times"),
+        ((100.0, 0.0), "by 3.0 times, torque is read in steps of 100 N·m"),
+        ((0.0, math.pi / 30), "by 3.0 times, speed is read in steps of 1 rpm"),
+    ],
+)
+def test_channels_that_are_noisier_than_told_are_told_once(steps: tuple[float, float], told: str) -> None:
     watching, nothing = Watch(SMALL), (0.0, 0.0, 0.0, 0.0)
-    (event,) = watching.learned(nothing, (100.0, math.pi / 30))
-    assert (event.name, event.begins) == ("coarse_reading", True)
-    assert event.text.endswith("told to be: 100 N·m of torque, 1 rpm of speed")
-    assert watching.learned(nothing, (100.0, math.pi / 30)) == []
-    (event,) = watching.learned(nothing, (0.0, 0.0))
+    (event,) = watching.learned(nothing, 3.0, steps)
+    assert (event.name, event.begins) == ("noisier", True)
+    assert event.text.endswith(told)
+    assert watching.learned(nothing, 4.0, steps) == []
+    (event,) = watching.learned(nothing, 1.0, (0.0, 0.0))
     assert not event.begins
 
 

@@ -28,7 +28,8 @@ KEPT = (
     "level",
     "steps",
     "resolution",
-    "coarse",
+    "white",
+    "noisier",
     "ticks",
     "last_seen",
 )

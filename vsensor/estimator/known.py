@@ -3,8 +3,8 @@
 import numpy as np
 
 from vsensor.config import Bit, Component, Rig
-from vsensor.estimator.coarse import coarseness
 from vsensor.estimator.gains import Gains
+from vsensor.estimator.noise import coarseness
 from vsensor.estimator.responses import TOLD_TOP_SPEED
 from vsensor.estimator.sections import Floats, Line
 from vsensor.estimator.state import SPEED, TORQUE, Model, State
@@ -54,12 +54,17 @@ class Known:
     def noise(self) -> Floats:
         """Standard deviations that noise and rock leave to the confirmed speed and torque, shape (2,)."""
         variance = self._model.gains.variance[self._state.level[0], :TOLD_TOP_SPEED]
-        return np.asarray(np.sqrt(self._state.coarse * variance))
+        return np.asarray(np.sqrt(self._state.noisier * variance))
 
     @property
     def profile_noise(self) -> Floats:
         """The same of `profile`, laid out like it."""
-        return np.asarray(np.sqrt(self._state.coarse * self._model.gains.along[self._state.level[0]]))
+        return np.asarray(np.sqrt(self._state.noisier * self._model.gains.along[self._state.level[0]]))
+
+    @property
+    def noisier(self) -> float:
+        """By what factor the channels are noisier than told, 1 where they are not."""
+        return float(np.sqrt(self._state.noisier[0]))
 
     @property
     def coarse_steps(self) -> Floats:

@@ -15,6 +15,7 @@ from vsensor.estimator.gains import Gains
 from vsensor.estimator.learn import load_in_force
 from vsensor.estimator.line import rubbing, turn_top
 from vsensor.estimator.load import law
+from vsensor.estimator.noise import judge_noise
 from vsensor.estimator.responses import (
     BIT_BALANCE,
     BIT_SPEED,
@@ -85,6 +86,7 @@ def observe(model: Model, state: State) -> None:
     past = state.ticks[0] % state.innovations.shape[0]
     state.innovations[past] = state.innovation[0] if heard else 0.0
     state.levels[past] = state.level[0]
+    judge_noise(model, state, past)
 
 
 @compiled
@@ -192,7 +194,7 @@ def note_rest(model: Model, state: State) -> None:
 @compiled
 def _tamed(model: Model, state: State, which: int, innovation: float) -> float:
     """An innovation held within what can be believed; keeps count of how large they are."""
-    expected = model.gains.innovation[state.level[0]] * state.coarse[0]
+    expected = model.gains.innovation[state.level[0]] * state.noisier[0]
     limit = WILD * math.sqrt(expected * max(1.0, state.surprise[which]))
     tamed = min(max(innovation, -limit), limit)
     state.surprise[which] += (tamed * tamed / expected - state.surprise[which]) / (SURPRISE_S * model.rate)

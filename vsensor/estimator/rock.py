@@ -26,7 +26,7 @@ def weigh_rock(model: Model, state: State, speed: float, torque: float) -> None:
         return
     left = torque - law(load_in_force(state.learned, model.bit_rate), speed)
     gains = model.gains
-    untold = gains.variance[state.level[0], TOLD_BIT_TORQUE] * state.coarse[0]
+    untold = gains.variance[state.level[0], TOLD_BIT_TORQUE] * state.noisier[0]
     square = min(left * left, WILD * WILD * state.rock_square[0]) + untold
     state.rock_square[0] += (square - state.rock_square[0]) / (MEMORY_S * model.rate)
     nearest = 0
@@ -39,4 +39,4 @@ def weigh_rock(model: Model, state: State, speed: float, torque: float) -> None:
 
 @compiled
 def _apart(state: State, level: float) -> float:
-    return abs(math.log(level * level * state.coarse[0] / state.rock_square[0]))
+    return abs(math.log(level * level * state.noisier[0] / state.rock_square[0]))

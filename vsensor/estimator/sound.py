@@ -63,7 +63,8 @@ def refuse_unsound(model: Model, settings: Settings, state: State) -> None:
     _within("rock_square", state.rock_square, LEAST, LARGEST**2)
     _within("steps", state.steps, 0, LARGEST)
     _within("resolution", state.resolution, 0, LARGEST)
-    _within("coarse", state.coarse, 1, LARGEST**2)
+    _within("white", state.white, 0, LARGEST**2)
+    _within("noisier", state.noisier, 1, LARGEST**2)
     for name in ("level", "levels"):
         _within(name, getattr(state, name), 0, len(model.gains.levels) - 1)
     _times(model, state)

@@ -32,7 +32,7 @@ NONE = -1
 """There is no such march."""
 NEVER = -(1 << 62)
 """When a flag was seen that has not been raised."""
-LEARNED = ("scores", "learned", "tuning", "rock_square", "level", "resolution", "coarse")
+LEARNED = ("scores", "learned", "tuning", "rock_square", "level", "resolution", "white", "noisier")
 """What stays when the waves are lost: these, and all within them."""
 
 FIRST_ROCK = 400.0
@@ -136,11 +136,13 @@ class State(NamedTuple):
     level: Integers
     """Which of the gains are in force, shape (1,)."""
     steps: Floats
-    """What is seen of the steps in which each channel is read (coarse.py), shape (2, 3);"""
+    """What is seen of the steps in which each channel is read (noise.py), shape (2, 3);"""
     resolution: Floats
-    """how large they are, N·m and rad/s, 0 where none were seen, shape (2,);"""
-    coarse: Floats
-    """and how much larger the variance of noise is for it than told, shape (1,)."""
+    """how large they are, N·m and rad/s, 0 where none were seen, shape (2,)."""
+    white: Floats
+    """Variance of what is white in the innovations, over what was expected, shape (1,)."""
+    noisier: Floats
+    """How much larger the variance of the channels' noise is than told, 1 or more, shape (1,)."""
     ticks: Integers
     """Ticks done, and the tick at which the waves were laid last, shape (2,)."""
     last_seen: Integers
@@ -241,7 +243,8 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
         level=np.array([level]),
         steps=np.zeros((2, 3)),
         resolution=np.zeros(2),
-        coarse=np.ones(1),
+        white=np.ones(1),
+        noisier=np.ones(1),
         ticks=np.zeros(2, np.int64),
         last_seen=np.full(FLAGS, NEVER, np.int64),
         learned=fresh_law(bit),

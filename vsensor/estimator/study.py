@@ -41,7 +41,7 @@ def foretold_for(model: Model, state: State, kind: int) -> tuple[int, int]:
 def doubt_by_noise(model: Model, state: State, quantity: int) -> float:
     """Variance of a confirmed answer by noise and rock, as far as innovations are no larger than foreseen."""
     told = model.gains.variance[state.level[0], quantity]
-    return float(told * state.coarse[0] * max(1.0, state.surprise[0]))
+    return float(told * state.noisier[0] * max(1.0, state.surprise[0]))
 
 
 @compiled
@@ -74,7 +74,7 @@ def _unmoved(state: State, tick: int, speed: float) -> float:
 def study_string(model: Model, state: State) -> None:
     """Add up how well the model foresaw this tick's speed, and its shadows with longer and shorter delays."""
     misfit = state.tuning.misfit
-    by_noise = model.gains.innovation[state.level[0]] * state.coarse[0]
+    by_noise = model.gains.innovation[state.level[0]] * state.noisier[0]
     expected = by_noise * max(LEAST_SURPRISE, state.surprise[0])
     keep = 1.0 - 1.0 / (MEMORY_S * model.rate)
     for which in range(misfit.shape[0]):

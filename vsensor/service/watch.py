@@ -78,10 +78,10 @@ class Watch:
             "a depth channel is silent, or its clock is apart: the bit is held to be on bottom unless told",
             "the depths are told again",
         )
-        self._coarse = Condition(
-            "coarse_reading",
-            "a channel is read in coarser steps than its noise was told to be: ",
-            "no channel is read in coarser steps than its noise any longer",
+        self._noisier = Condition(
+            "noisier",
+            "torque and speed are noisier than told: ",
+            "torque and speed are no noisier than told any longer",
         )
         self._no_profile = Condition(
             "profile_shed",
@@ -180,19 +180,22 @@ class Watch:
         )
         return [event for event in seen if event is not None]
 
-    def learned(self, tuning: Sequence[float], steps: Sequence[float]) -> list[Event]:
+    def learned(self, tuning: Sequence[float], noisier: float, steps: Sequence[float]) -> list[Event]:
         """Look at what the record has told of the rig.
 
-        Corrections in force: shares of delay, inertia and friction, and the torque's offset, N·m. Steps in
-        which torque (N·m) and speed (rad/s) are read, where they are coarser than noise.
+        Corrections in force: shares of delay, inertia and friction, and the torque's offset, N·m. By what
+        factor the channels are noisier than told, and the steps, N·m and rad/s, in which they are read, or 0.
         """
-        torque, speed = steps
-        details = f"{torque:.3g} N·m of torque, {speed * RPM:.3g} rpm of speed"
-        seen = (
-            self._look_at_corrections(*tuning),
-            self._coarse.see(any(steps), self._last_ns, details if any(steps) else ""),
-        )
+        seen = (self._look_at_corrections(*tuning), self._look_at_noise(noisier, *steps))
         return [event for event in seen if event is not None]
+
+    def _look_at_noise(self, noisier: float, torque_step: float, speed_step: float) -> Event | None:
+        details = f"by {noisier:.1f} times"
+        if torque_step:
+            details += f", torque is read in steps of {torque_step:.3g} N·m"
+        if speed_step:
+            details += f", speed is read in steps of {speed_step * RPM:.3g} rpm"
+        return self._noisier.see(noisier > 1, self._last_ns, details if noisier > 1 else "")
 
     def _look_at_corrections(
         self, delay: float, inertia: float, friction: float, offset: float

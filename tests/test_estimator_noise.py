@@ -1,4 +1,4 @@
-"""Readings in steps that are coarser than the noise that was told: seen for what they are, and doubted."""
+"""Channels noisier than told, or read in coarse steps: seen for what they are, and doubted."""
 
 import numpy as np
 import pytest
@@ -6,10 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.rigs import RATE, SHORT
-from vsensor.estimator.coarse import CHANGES, SHARES
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.figures import STUCK_SPEED
 from vsensor.estimator.kernel import CONFIRMED
+from vsensor.estimator.noise import CHANGES, SHARES
 from vsensor.estimator.sections import Floats
 from vsensor.simulate.rig import SimulatedRig
 from vsensor.simulate.scenario import PLANS, Scenario
@@ -30,17 +30,17 @@ def read_in(step: float, values: Floats) -> Floats:
     return np.round(values / step) * step if step else values
 
 
-def coarse(torque: Floats, speed: Floats) -> tuple[Floats, float]:
+def judged(torque: Floats, speed: Floats) -> tuple[Floats, float]:
     sensor = Estimator(SHORT)
     sensor.run(torque, speed)
-    return sensor.coarse_steps, float(sensor._state.coarse[0])
+    return sensor.coarse_steps, float(sensor.noisier**2)
 
 
 @pytest.mark.parametrize(("torque_step", "speed_step"), [(0.0, RPM), (1000.0, 0.0), (1000.0, RPM)])
 def test_the_steps_of_a_reading_are_found_and_what_they_cost(
     record: Floats, torque_step: float, speed_step: float
 ) -> None:
-    steps, squared = coarse(read_in(torque_step, record[0]), read_in(speed_step, record[1]))
+    steps, squared = judged(read_in(torque_step, record[0]), read_in(speed_step, record[1]))
     for found, step in zip(steps, (torque_step, speed_step), strict=True):
         assert found == pytest.approx(step)
     counts = np.multiply(SHARES, (torque_step, speed_step)) / TOLD
@@ -51,7 +51,7 @@ def test_the_steps_of_a_reading_are_found_and_what_they_cost(
 def test_a_reading_that_is_finer_than_its_noise_is_taken_as_told(record: Floats, digits: int | None) -> None:
     """Continuous, or printed with a few decimals: 0.01 rad/s where the noise is 0.015."""
     torque, speed = (values if digits is None else np.round(values, digits) for values in record[:2])
-    steps, squared = coarse(torque, speed)
+    steps, squared = judged(torque, speed)
     assert squared == 1.0
     assert (steps == 0).all()
 
@@ -61,7 +61,7 @@ def test_a_reading_that_is_finer_than_its_noise_is_taken_as_told(record: Floats,
 def test_whatever_the_step_and_the_changes_it_is_found(step: float, seed: int) -> None:
     random = np.random.default_rng(seed)
     whole = random.integers(40, 60, 5 * RATE).astype(float)
-    found, _ = coarse(random.normal(5e3, 80.0, len(whole)), step * whole)
+    found, _ = judged(random.normal(5e3, 80.0, len(whole)), step * whole)
     assert len(np.flatnonzero(np.diff(whole))) > CHANGES
     assert found[1] == pytest.approx(step)
 
@@ -71,7 +71,8 @@ def test_whatever_the_step_and_the_changes_it_is_found(step: float, seed: int) -
 def test_noise_has_no_steps(seed: int) -> None:
     random = np.random.default_rng(seed)
     count = 5 * RATE
-    assert coarse(random.normal(5e3, 800.0, count), random.normal(10.0, 0.15, count))[1] == 1.0
+    steps, _ = judged(random.normal(5e3, 800.0, count), random.normal(10.0, 0.15, count))
+    assert (steps == 0).all()
 
 
 def test_a_speed_in_whole_revolutions_does_not_pass_for_a_restless_rock(record: Floats) -> None:
@@ -87,6 +88,25 @@ def test_a_speed_in_whole_revolutions_does_not_pass_for_a_restless_rock(record: 
     assert np.sqrt(np.mean(error**2)) < 0.03 * np.ptp(true)
     assert sensor.rock_std < 600.0
     assert true.min() < STUCK_SPEED
+
+
+@pytest.mark.parametrize("times", [1.0, 2.0, 4.0])
+def test_how_much_noisier_the_channels_are_than_told_is_found(record: Floats, times: float) -> None:
+    """And the sensor is then as good as one that was told."""
+    torque, speed, when, truth = record
+    noise = SHORT.measurement.model_copy(
+        update={"torque_noise": TOLD[0] / times, "speed_noise": TOLD[1] / times}
+    )
+    told_less, told = Estimator(SHORT.model_copy(update={"measurement": noise})), Estimator(SHORT)
+    errors = []
+    for sensor in (told_less, told):
+        values = sensor.run(torque, speed).values
+        begun = round(30 * RATE)
+        at = np.arange(begun, len(values)) / RATE - sensor.confirmed_delay
+        errors.append(np.sqrt(np.mean((values[begun:, CONFIRMED] - np.interp(at, when, truth)) ** 2)))
+    assert told_less.noisier == pytest.approx(times, rel=0.1)
+    assert told.noisier == 1.0
+    assert errors[0] == pytest.approx(errors[1], rel=0.1)
 
 
 def test_what_is_known_of_the_steps_outlives_a_gap_and_is_saved(record: Floats) -> None:
