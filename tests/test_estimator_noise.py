@@ -11,8 +11,11 @@ from vsensor.estimator.figures import STUCK_SPEED
 from vsensor.estimator.kernel import CONFIRMED
 from vsensor.estimator.noise import CHANGES, SHARES
 from vsensor.estimator.sections import Floats
+from vsensor.jit import COMPILED
 from vsensor.simulate.rig import SimulatedRig
 from vsensor.simulate.scenario import PLANS, Scenario
+
+pytestmark = pytest.mark.skipif(not COMPILED, reason="minutes of a rig: too slow without the compiler")
 
 TOLD = SHORT.measurement.torque_noise, SHORT.measurement.speed_noise
 RPM = np.pi / 30
