@@ -32,7 +32,7 @@ that are the same the mean is no better than one: as if there had been one, of t
 MEMORY_S = 10.0
 """Time over which innovations tell of noise: at 100 Hz to 5 %."""
 SURELY = 1.5
-"""Noise is larger than told where its variance surely is: of 60 simulated records, told the noise that they
+"""Noise is larger than told where its variance surely is: of 61 simulated records, told the noise that they
 were made with, none came beyond 1.4 in any 10 s, and of those without wild samples to 1.2."""
 NO_MORE = 1.25
 """It is as told again below this."""

@@ -281,9 +281,8 @@ class Daemon:
 
     def _each_second_seen(self) -> Iterator[Event]:
         yield from self._watch.second(self.health.severity, self.health.input_lost)
-        estimator = self._engine.estimator
-        of_channels = estimator.noisier, estimator.coarse_steps.tolist()
-        yield from self._watch.learned(estimator.tuning.tolist(), *of_channels)
+        known = self._engine.estimator
+        yield from self._watch.learned(known.tuning.tolist(), known.noisier, known.coarse_steps.tolist())
         yield from self._watch.depths(self._engine.intake.depths, self._engine.intake.depths_silent)
 
     def _state(self) -> str:
