@@ -1,5 +1,6 @@
 """A daemon that serves metrics, as processes: probes follow it, and it outlives them."""
 
+import http.client
 import os
 import signal
 import time
@@ -26,13 +27,14 @@ def sensor(bus: Bus, tmp_path: Path) -> Iterator[Daemon]:
 
 
 def ask(sensor: Daemon, path: str) -> tuple[int, str]:
+    """Status and text; 0 and nothing where nobody answers, or dies within the answer."""
     try:
         url = f"http://127.0.0.1:{sensor.rig.metrics.port}{path}"
         with urllib.request.urlopen(url, timeout=10) as answer:
             return answer.status, answer.read().decode()
     except urllib.error.HTTPError as error:
         return error.code, error.read().decode()
-    except OSError:
+    except (OSError, http.client.HTTPException):
         return 0, ""
 
 

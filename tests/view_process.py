@@ -1,5 +1,6 @@
 """Processes of the view: ports for them, waiting for them, and whether they have ended."""
 
+import http.client
 import os
 import signal
 import socket
@@ -59,7 +60,7 @@ def reachable(url: str) -> bool:
     """Whether it answers."""
     try:
         page(url)
-    except OSError:
+    except (OSError, http.client.HTTPException):  # the other where it dies within the answer
         return False
     return True
 
