@@ -15,11 +15,12 @@ class Grid:
     """Ticks at a rate (Hz), each at the last whole nanosecond before its own place."""
 
     def __init__(self, rate: float) -> None:
-        self._period = Fraction(NS) / Fraction(rate).limit_denominator(10**6)
+        period = Fraction(NS) / Fraction(rate).limit_denominator(10**6)
+        self._ns, self._per = period.numerator, period.denominator
 
     def after_ns(self, number: int) -> int:
         """How long after the first tick the one of a number comes, ns."""
-        return number * self._period.numerator // self._period.denominator
+        return number * self._ns // self._per
 
     def until_ns(self, first: int, last_ns: int) -> NDArray[np.int64]:
         """The same of all ticks from number `first` on that come no later than `last_ns`."""
@@ -27,10 +28,10 @@ class Grid:
         if begin_ns > last_ns:
             return np.empty(0, np.int64)
         # As begin + k · period, the period in whole nanoseconds and the rest: 64 bits hold all of it.
-        whole, rest = divmod(self._period.numerator, self._period.denominator)
-        left = first * self._period.numerator % self._period.denominator
+        whole, rest = divmod(self._ns, self._per)
+        left = first * self._ns % self._per
         k = np.arange((last_ns - begin_ns) // max(whole, 1) + 2)
-        times = begin_ns + k * whole + (left + k * rest) // self._period.denominator
+        times = begin_ns + k * whole + (left + k * rest) // self._per
         return times[times <= last_ns]
 
 

@@ -106,7 +106,8 @@ class Channel:
             self.counts.lost = max(self.counts.lost - 1, 0)
         elif 0 <= ahead <= LONGEST_HOLE:
             self.counts.lost += max(ahead - self._unread, 0)
-            self._remember(given, 0 if self._unread else ahead)  # which of them were unread is not known
+            if ahead and not self._unread:  # which of them were unread is not known
+                self._remember(given, ahead)
             self.next_sequence = given + 1
         elif ahead > 0 or (ahead < -1 and sample.time_ns == self._told_last_ns()):
             # A low number with the newest time: the publisher has begun to count anew.
@@ -121,10 +122,9 @@ class Channel:
         self._unread += 1
 
     def _remember(self, given: int, missing: int) -> None:
-        if missing:
-            known = given - REMEMBERED
-            self._missing = {number for number in self._missing if number >= known}
-            self._missing.update(range(max(given - missing, known), given))
+        known = given - REMEMBERED
+        self._missing = {number for number in self._missing if number >= known}
+        self._missing.update(range(max(given - missing, known), given))
 
     def _told_last_ns(self) -> int | None:
         return self.newest_ns if self.waiting is None else self.waiting.time_ns

@@ -40,11 +40,9 @@ class Run(NamedTuple):
     low: float
     high: float
 
-    def on(self, value: float, other: float) -> "Run":
-        """The run with one more tick; a new one where the value is another."""
-        if value != self.value:
-            return Run(value, 1, other, other)
-        return Run(value, self.ticks + 1, min(self.low, other), max(self.high, other))
+    def on(self, other: float) -> "Run":
+        """The run with one more tick."""
+        return Run(self.value, self.ticks + 1, min(self.low, other), max(self.high, other))
 
 
 NO_RUN = Run(math.nan, 0, math.inf, -math.inf)
@@ -70,10 +68,12 @@ class _Reading:
         if reasons & self._silent:  # what stands there is no reading, but the last one held
             self.run = NO_RUN
             return 0
-        if value != self.run.value:
-            self._end()
-        self.run = run = self.run.on(value, other)
-        return self._reason if self._is_frozen(run) else 0
+        if value == self.run.value:
+            self.run = run = self.run.on(other)
+            return self._reason if self._is_frozen(run) else 0
+        self._end()
+        self.run = Run(value, 1, other, other)
+        return 0
 
     def flags(self, values: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.uint32]:
         flags = np.zeros(len(values), np.uint32)
@@ -109,11 +109,14 @@ class _Reading:
     def _is_frozen(self, run: Run) -> bool:
         return run.ticks > self._surely and run.high - run.low > self._moved and run.ticks > self._least()
 
+    def _stood_still(self, run: Run) -> bool:
+        return run.ticks > self._lasting and not run.high - run.low > self._moved
+
     def _end(self) -> None:
         """Take account of a run that has ended: where it says what is usual."""
         run = self.run
-        stood_still = run.ticks > self._lasting and not run.high - run.low > self._moved
-        if not stood_still and not self._is_frozen(run):
+        usual = run.ticks <= self._surely  # the most are, and nothing more is asked of them
+        if usual or not (self._stood_still(run) or self._is_frozen(run)):
             self.longest = max(self.longest, run.ticks)
         self.heard += run.ticks
         self.run = NO_RUN

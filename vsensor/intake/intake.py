@@ -236,8 +236,9 @@ class Intake:
         if self._anchor_ns is None:
             self._anchor_ns = max(self._torque.points[0].time_ns, self._speed.points[0].time_ns)
         time_ns = self._anchor_ns + self._grid.after_ns(self._number)
-        first, last = sorted((self._torque.points[-1].time_ns, self._speed.points[-1].time_ns))
-        if first < time_ns and last <= time_ns + self.max_gap_ns:  # not reached, and no channel far ahead
+        torque_ns, speed_ns = self._torque.points[-1].time_ns, self._speed.points[-1].time_ns
+        not_reached = torque_ns < time_ns or speed_ns < time_ns
+        if not_reached and max(torque_ns, speed_ns) <= time_ns + self.max_gap_ns:  # and none is far ahead
             self._torque.let_go(time_ns)
             self._speed.let_go(time_ns)
             return None
