@@ -171,9 +171,8 @@ def _grid(well: Well, step: float) -> _Grid:
         nodes = np.hstack([nodes[:, :-1], nodes[:, -1:] + here[:, :1], here[:, 1:]])
     nodes[0, 0] += well.drive_inertia / step
     nodes[0, -1] += well.bit_inertia / step
-    # The ends have laws of their own: what rubs on their half cells does so one node further in.
-    nodes[2:, [1, -2]] += nodes[2:, [0, -1]]
-    nodes[2:, [0, -1]] = 0
+    # The bit has a law of its own: what the wall takes of its half cell it does one node further up.
+    nodes[2:, -2] += nodes[2:, -1]
     return _Grid(np.array(stiffness), *(np.ascontiguousarray(row) for row in nodes))
 
 
@@ -211,10 +210,11 @@ def _run(
                 integral += ki * miss * step
         reported += follow * (motor - reported)
         before = speed[0]
-        speed[0] = (keep[0] * speed[0] + motor - torque[0]) * give[0]
         if falls:
             _grip(grip, speed, turning, rises, fade)
-        _turn(speed, torque, keep, give, grip)
+        speed[0] = _rubbed((keep[0] * speed[0] + motor - torque[0]) * give[0], grip[0])
+        for k in range(1, len(torque)):
+            speed[k] = _rubbed((keep[k] * speed[k] + torque[k - 1] - torque[k]) * give[k], grip[k])
         law = _law_at(laws, (n + 1) * step)
         twice = 2 * grid.mass[-1]
         pull = twice * speed[-1] + torque[-1]
@@ -235,21 +235,17 @@ def _twist(torque: Floats, speed: Floats, stiffness: Floats) -> None:
 @njit(cache=True)
 def _grip(grip: Floats, speed: Floats, turning: Floats, rises: Floats, fade: float) -> None:
     """What the wall can take of each node's speed in a step."""
-    for k in range(1, len(speed) - 1):
+    for k in range(len(speed) - 1):
         grip[k] = turning[k]
         if abs(speed[k]) < GONE * fade:
             grip[k] += rises[k] * math.exp(-abs(speed[k]) / fade)
 
 
 @njit(cache=True)
-def _turn(speed: Floats, torque: Floats, keep: Floats, give: Floats, grip: Floats) -> None:
-    """Step the nodes between the ends: each rests where the wall can stop it within the step."""
-    for k in range(1, len(speed) - 1):
-        free = (keep[k] * speed[k] + torque[k - 1] - torque[k]) * give[k]
-        hold = grip[k]
-        taken = hold if free > hold else free
-        taken = -hold if taken < -hold else taken
-        speed[k] = free - taken
+def _rubbed(free: float, grip: float) -> float:
+    """The speed of a node that would be `free` without the wall, which can take `grip`, or stop it."""
+    taken = grip if free > grip else free
+    return free - (-grip if taken < -grip else taken)
 
 
 @njit(cache=True)

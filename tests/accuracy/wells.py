@@ -1,6 +1,8 @@
 """Simulated wells of many kinds: what the sensor makes of each.
 
-python -m tests.accuracy.wells [NAME ...] [--seed N]
+    python -m tests.accuracy.wells [NAME ...] [--seed N]
+
+prints it as text. Torques are in N·m there, and how far they are off in the mean is told too.
 """
 
 from argparse import ArgumentParser
@@ -8,6 +10,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
+from tests.accuracy import words
 from tests.accuracy.score import Score, answer, score
 from tests.cases import Columns
 from tests.leapfrog import Record
@@ -18,6 +21,8 @@ from vsensor.tables import surface_samples
 
 FROM_S = 10.0
 KINDS = ("confirmed", "now", "forecast")
+SMALL = 10.0
+"""Torque, N·m, of which hundredths of a kN·m tell too little."""
 
 
 def told(rig: Rig, record: Record) -> Columns:
@@ -34,18 +39,34 @@ def truth(record: Record) -> Columns:
 def scores(case: Case, seed: int = 1) -> list[Score]:
     """How each kind of answer does."""
     record = case.record(seed)
-    of = told(case.rig, record)
-    return [score(answer(of, kind), truth(record), FROM_S) for kind in KINDS]
+    return held(told(case.rig, record), record)
+
+
+def held(estimates: Columns, record: Record) -> list[Score]:
+    """Each kind of answer held against the truth."""
+    return [score(answer(estimates, kind), truth(record), FROM_S) for kind in KINDS]
+
+
+def section() -> Iterator[str]:
+    """The page's part about them."""
+    yield words.WELLS
+    for case in CASES.values():
+        yield f"| {case.words} | {' | '.join(cell for one in scores(case) for cell in _cells(one))} |"
+
+
+def _cells(of: Score) -> tuple[str, ...]:
+    torque = f"{of.torque / 1e3:{'.2f' if of.torque >= SMALL else '.2g'}}"
+    return f"{of.share:.2%}", torque, f"{of.speed_within:.0%}", f"{of.torque_within:.0%}"
 
 
 def _text(names: Iterable[str], seed: int) -> Iterator[str]:
     """The same as plain text, as it comes."""
     width = max(map(len, CASES))
-    yield " " * width + "".join(f"  {kind:<29}" for kind in KINDS)
-    yield " " * width + "  share  kN·m   bias    2σω  2σT " * len(KINDS)
+    yield " " * width + "".join(f"  {kind:<31}" for kind in KINDS)
+    yield " " * width + "   share     N·m    bias  2σω  2σT" * len(KINDS)
     for name in names:
         yield f"{name:<{width}}" + "".join(
-            f"  {one.share:6.2%} {one.torque / 1e3:5.2f} {one.bias / 1e3:+6.2f} "
+            f"  {one.share:6.2%} {one.torque:7.4g} {one.bias:+7.3g} "
             f"{one.speed_within:4.0%} {one.torque_within:4.0%}"
             for one in scores(CASES[name], seed)
         )
