@@ -48,16 +48,18 @@ def test_nothing_of_the_sensor_is_in_it() -> None:
 @pytest.mark.parametrize("viscous", [0.0, 0.1])
 @pytest.mark.parametrize("coulomb", [0.0, 2.0])
 def test_in_the_end_torque_is_what_friction_takes(viscous: float, coulomb: float) -> None:
-    part = PIPE._replace(c=viscous, fs=coulomb)
-    well = pushed(part, duration=5.0)._replace(command=((0.0, 0.0), (0.5, TORQUE)))
-    speed = (TORQUE - coulomb * part.length) / (400.0 + viscous * part.length)
+    """What turns meets kinetic friction, the half cells at both ends no less than all between."""
+    torque = 1400.0  # little enough that it turns slowly, at a radian a second where all friction is told
+    part = PIPE._replace(c=viscous, fs=1.5 * coulomb, fd=coulomb)
+    well = pushed(part, duration=5.0)._replace(command=((0.0, 0.0), (0.5, torque)))
+    speed = (torque - coulomb * part.length) / (400.0 + viscous * part.length)
     record = simulate(well)
     for values, expected in (
         (record.bit_speed, speed),
         (record.motor_speed, speed),
         (record.bit_torque, 400.0 * speed),
     ):
-        assert values[-1] == pytest.approx(expected, rel=1e-4)
+        assert values[-1] == pytest.approx(expected, rel=2e-5)
 
 
 def test_the_papers_step_is_its_closed_form() -> None:
@@ -117,15 +119,6 @@ def test_a_string_rests_where_the_wall_holds_it() -> None:
     assert not record.bit_speed.any()
     for still in (within(record.time, np.abs(record.motor_speed), *of) for of in ((22, 25), (47, 50))):
         assert still == 0  # nothing creeps
-
-
-def test_where_it_slides_it_meets_kinetic_friction() -> None:
-    part, most = PIPE._replace(fs=4.0, fd=2.0), 700.0
-    slowly = ((0.0, 0.0), (20.0, most))
-    record = simulate(pushed(part, duration=25.0)._replace(command=slowly), step_s=5e-4)
-    twist = most**2 / (2 * 2.0 * part.G * part.moment)
-    assert twist / 2 < np.sum(record.motor_speed) / 100 < 1.02 * twist
-    assert not record.bit_speed.any()
 
 
 def test_a_bit_rests_below_what_breaks_it_loose() -> None:
