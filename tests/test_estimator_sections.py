@@ -1,5 +1,7 @@
 """The string on its grid."""
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -90,6 +92,38 @@ def test_the_step_follows_the_shortest_component_down_to_a_limit() -> None:
     assert steps_per_tick((LONG, short), 0.01) == 4
     shorter = COLLAR.model_copy(update={"length": 0.3})
     assert steps_per_tick((LONG, shorter), 0.01) == FINEST
+
+
+@given(st.floats(120, 1500), st.floats(30, 200), st.floats(30, 200))
+def test_a_short_strings_components_end_where_the_grid_has_a_step(
+    pipe: float, heavy: float, collars: float
+) -> None:
+    """Of all steps that are half as many again, none fits the ends of the bottom-hole assembly better."""
+    string = tuple(
+        part.model_copy(update={"length": length})
+        for part, length in ((PIPE, pipe), (PIPE, heavy), (COLLAR, collars))
+    )
+    delays = np.array([component.delay(part) for part in string])
+
+    def rounding(steps: int) -> float:
+        on_grid = delays[1:] * steps / 0.01
+        return float(np.max(np.abs(np.round(on_grid) / on_grid - 1)))
+
+    chosen = steps_per_tick(string, 0.01)
+    least = math.ceil(0.01 / max(delays.sum() / 200, 0.25e-3, 0.01 / FINEST) * (1 - 1e-12))
+    most = min(FINEST, int(1.5 * least))
+    assert least <= chosen <= most
+    assert rounding(chosen) == pytest.approx(min(map(rounding, range(least, most + 1))))
+
+
+@given(st.floats(300, 500), st.floats(0, 30))
+def test_pipe_added_on_top_leaves_the_grid_as_it_was(length: float, more: float) -> None:
+    """But where so much is added that fewer steps would do."""
+    string = tuple(part.model_copy(update={"length": length}) for part in (PIPE, COLLAR))
+    longer = (string[0].model_copy(update={"length": length + more}), string[1])
+    travels = [sum(component.delay(part) for part in each) for each in (string, longer)]
+    assume(math.ceil(0.01 * 200 / travels[0]) == math.ceil(0.01 * 200 / travels[1]))
+    assert steps_per_tick(string, 0.01) == steps_per_tick(longer, 0.01)
 
 
 def test_the_papers_string() -> None:

@@ -107,7 +107,7 @@ def test_the_same_holds_of_what_was_learned(estimator: Estimator, saved: Arrays)
 
 
 def test_the_refusal_says_what_was_found_and_what_would_be_right(estimator: Estimator, saved: Arrays) -> None:
-    with pytest.raises(ValueError, match="level holds 1000000000 where 0 to 8 is right"):
+    with pytest.raises(ValueError, match="level holds 1000000000 where 0 to 9 is right"):
         estimator.restore(with_one(saved, "level", 0, 10**9))
     with pytest.raises(ValueError, match=r"tuning\.value holds 5 where -0\.03\d* to 0\.03\d* is right"):
         estimator.restore(with_one(saved, "tuning.value", 0, 5.0))

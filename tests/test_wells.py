@@ -9,11 +9,12 @@ from tests.accuracy.wells import KINDS, held, scores, told
 from tests.leapfrog import Floats, Record
 from tests.wells import CASES, Case, rig_of, surface, usual
 from vsensor.estimator import component
+from vsensor.estimator.estimator import Estimator
 from vsensor.jit import COMPILED
 
 pytestmark = pytest.mark.skipif(not COMPILED, reason="minutes of a rig: too slow without the compiler")
 
-SHARES = {"400m": 0.02, "2500m": 0.0075, "tapered": 0.01}
+SHARES = {"400m": 0.02, "800m": 0.0085, "2500m": 0.0075, "tapered": 0.01}
 """Of the true bit speed's range, what the rms error of the confirmed one may be."""
 TORQUE = 400.0
 """What that of the torque may be, N·m."""
@@ -38,6 +39,16 @@ def test_a_string_that_is_told_wrongly_is_found_out() -> None:
     record = case.record()
     shorter = rig_of(usual(2250))
     assert not kept("2500m", held(told(shorter, record), record)[0])
+
+
+def test_off_bottom_there_is_soon_no_rock() -> None:
+    """The string turns from 5 s on; a rock of 400 N·m is held to be there at first."""
+    case = CASES["lateral"]
+    read = surface(case.record())
+    sensor = Estimator(case.rig)
+    seen = round(25 * case.rig.loop.rate)
+    sensor.run(read.motor_torque_nm[:seen], read.motor_speed_rad_s[:seen])
+    assert sensor.rock_std < 30
 
 
 def test_a_well_is_told_as_it_is() -> None:

@@ -32,9 +32,9 @@ from vsensor.estimator.responses import (
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.spectra import Complexes, before, factorised, half_told, rounded
 
-ROCK_LEVELS: Floats = np.ldexp(25.0, np.arange(9))
-"""Standard deviations of the rock's torque, N·m, for which gains of a well's string are kept ready: 25 N·m to
-6.4 kN·m."""
+ROCK_LEVELS: Floats = np.ldexp(12.5, np.arange(10))
+"""Standard deviations of the rock's torque, N·m, for which gains of a well's string are kept ready: from
+12.5 N·m to 6.4 kN·m."""
 HIDDEN = 0.5
 """Rock that is less restless than this share of the noise is not seen,"""
 NEGLIGIBLE = 0.005

@@ -165,6 +165,12 @@ def _has_changed(learned: Learned, least: float) -> bool:
 
 
 @compiled
+def weight_of(learned: Learned) -> float:
+    """How many ticks of sliding the law rests on."""
+    return _weight(learned.normal[LONG, learned.stop[1]])
+
+
+@compiled
 def _weight(normal: Floats) -> float:
     """The sum of all weights: the regressors 1 − e and e add up to 1."""
     return float(normal[KINETIC, KINETIC] + 2.0 * normal[KINETIC, STATIC] + normal[STATIC, STATIC])

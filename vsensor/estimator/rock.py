@@ -2,7 +2,7 @@
 
 import math
 
-from vsensor.estimator.learn import SLIDING, load_in_force
+from vsensor.estimator.learn import SLIDING, load_in_force, weight_of
 from vsensor.estimator.load import law
 from vsensor.estimator.responses import TOLD_BIT_TORQUE
 from vsensor.estimator.state import Model, State
@@ -10,6 +10,12 @@ from vsensor.jit import compiled
 
 MEMORY_S = 5.0
 """Time over which the rock's restlessness is forgotten."""
+SURE_S = 3.0
+"""What holds the bit is known once the law rests on so long a time of sliding;"""
+SOON_S = 2.0
+"""then a rock more restless than that is forgotten within so long: its torque does not turn about."""
+LEAST = 0.05
+"""The rock's variance is never taken to be a smaller share of the level's in force."""
 STEPS_APART = 0.3
 """Another level must be nearer by so much, in the logarithm of the variance, half of which is 0.7."""
 WILD = 4.0
@@ -20,15 +26,25 @@ WILD = 4.0
 def weigh_rock(model: Model, state: State, speed: float, torque: float) -> None:
     """Take a confirmed pair of a sliding bit: what the law leaves over, and what is not told of it.
 
-    (The step of expectation and maximisation for a variance: Shumway and Stoffer 1982.)
+    (The step of expectation and maximisation for a variance: Shumway and Stoffer 1982.) It leaves the rock
+    near the level in force where little of it is told, the more so the calmer it is. So rock that is held to
+    be more restless than could be is measured at once by what alone is told of it: of the square of what the
+    law leaves over a share ε² is the rock's and ε (1 − ε) the level's, ε the share that gains tell of theirs.
     """
     if abs(speed) < SLIDING:
         return
-    left = torque - law(load_in_force(state.learned, model.bit_rate), speed)
-    gains = model.gains
+    held = law(load_in_force(state.learned, model.bit_rate), speed)
+    left = torque - held
+    square, gains = state.rock_square[0], model.gains
+    assumed = gains.levels[state.level[0]] ** 2 * state.noisier[0]
     untold = gains.variance[state.level[0], TOLD_BIT_TORQUE] * state.noisier[0]
-    square = min(left * left, WILD * WILD * state.rock_square[0]) + untold
-    state.rock_square[0] += (square - state.rock_square[0]) / (MEMORY_S * model.rate)
+    seen = min(left * left, WILD * WILD * square)
+    if square > held * held and weight_of(state.learned) > SURE_S * model.rate:
+        told = 1.0 - untold / assumed
+        square += (assumed + (seen - told * assumed) / (told * told) - square) / (SOON_S * model.rate)
+    else:
+        square += (seen + untold - square) / (MEMORY_S * model.rate)
+    state.rock_square[0] = max(square, LEAST * assumed)
     nearest = 0
     for level in range(gains.levels.shape[0]):
         if _apart(state, gains.levels[level]) < _apart(state, gains.levels[nearest]):

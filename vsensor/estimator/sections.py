@@ -25,6 +25,9 @@ steps a tick are longer: ticks carry no more than half their rate there, which h
 LEAST_STEPS = 200
 """Of a string's travel time at the least: a short one swings faster, and tells of more. Steps of 4 ms would
 put the ends of its collars wrong by a twentieth of their length, and with them their ringing."""
+MORE = 1.5
+"""Of up to so many times the steps that such a string needs, those are taken on whose grid its components'
+ends lie best: waves ring on between them, and a wrong pitch is soon out of phase."""
 SHORTEST_STEP_S = 0.25e-3
 """But no finer for that: half of it is 0.4 m, and work grows with the steps in a second."""
 
@@ -58,8 +61,17 @@ class _Part(NamedTuple):
 def steps_per_tick(string: Sequence[Component], tick_s: float) -> int:
     """How many internal steps a tick takes so that every component lasts one and rounding stays small."""
     delays = [component.delay(part) for part in string]
-    step = min(LONGEST_STEP_S, max(SHORTEST_STEP_S, sum(delays) / LEAST_STEPS), *delays)
-    return min(FINEST, math.ceil(tick_s / step * (1 - 1e-12)))
+    wanted = max(SHORTEST_STEP_S, sum(delays) / LEAST_STEPS)
+    least = math.ceil(tick_s / min(LONGEST_STEP_S, wanted, *delays) * (1 - 1e-12))
+    most = int(MORE * least) if wanted < LONGEST_STEP_S else least
+    choice = range(min(FINEST, least), min(FINEST, most) + 1)
+    # Not of the topmost, which pipe is added to: on the same grid the string goes on as it was.
+    return min(choice, key=lambda steps: _rounding(delays[1:] or delays, tick_s / steps))
+
+
+def _rounding(delays: Sequence[float], step_s: float) -> float:
+    """By what share of itself a component is longer or shorter on the grid, that which is so the most."""
+    return max(abs(max(round(delay / step_s), 1) * step_s / delay - 1) for delay in delays)
 
 
 def cut(
