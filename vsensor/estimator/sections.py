@@ -26,8 +26,10 @@ LEAST_STEPS = 200
 """Of a string's travel time at the least: a short one swings faster, and tells of more. Steps of 4 ms would
 put the ends of its collars wrong by a twentieth of their length, and with them their ringing."""
 MORE = 1.5
-"""Of up to so many times the steps that such a string needs, those are taken on whose grid its components'
-ends lie best: waves ring on between them, and a wrong pitch is soon out of phase."""
+"""It may have up to so many times as many, where on their grid its components' ends lie better: waves ring on
+between them, and a wrong pitch is soon out of phase."""
+CLEARLY = 1 / 3
+"""Better is what leaves so small a share of the rounding: more steps take more time."""
 SHORTEST_STEP_S = 0.25e-3
 """But no finer for that: half of it is 0.4 m, and work grows with the steps in a second."""
 
@@ -64,9 +66,12 @@ def steps_per_tick(string: Sequence[Component], tick_s: float) -> int:
     wanted = max(SHORTEST_STEP_S, sum(delays) / LEAST_STEPS)
     least = math.ceil(tick_s / min(LONGEST_STEP_S, wanted, *delays) * (1 - 1e-12))
     most = int(MORE * least) if wanted < LONGEST_STEP_S else least
-    choice = range(min(FINEST, least), min(FINEST, most) + 1)
+    least, most = min(FINEST, least), min(FINEST, most)
     # Not of the topmost, which pipe is added to: on the same grid the string goes on as it was.
-    return min(choice, key=lambda steps: _rounding(delays[1:] or delays, tick_s / steps))
+    fixed = delays[1:] or delays
+    best = min(range(least, most + 1), key=lambda steps: _rounding(fixed, tick_s / steps))
+    clearly = _rounding(fixed, tick_s / best) < CLEARLY * _rounding(fixed, tick_s / least)
+    return best if clearly else least
 
 
 def _rounding(delays: Sequence[float], step_s: float) -> float:
