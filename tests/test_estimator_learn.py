@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from vsensor.config import Bit
 from vsensor.estimator.learn import Learned, fresh_law, learn, lose_sight
 from vsensor.estimator.sections import Floats
+from vsensor.jit import COMPILED
 
 RATE = 100.0
 ROCK = Bit(viscous_friction=12, kinetic_torque=2500, static_torque=6000, stribeck_speed=1.5)
@@ -113,6 +114,7 @@ def test_a_swinging_bit_learns_new_rock_within_two_swings() -> None:
         assert told(learned, speed) == pytest.approx(1.6 * float(torque_of(ROCK, np.array(speed))), rel=0.1)
 
 
+@pytest.mark.skipif(not COMPILED, reason="long records: too slow without the compiler")
 def test_the_whims_of_rough_rock_are_no_new_rock() -> None:
     """What is told after three minutes of them is the mean of the last minute, not of some seconds."""
     misses = []

@@ -109,6 +109,7 @@ def test_a_string_that_none_can_be_is_refused_and_nothing_has_changed(
     assert all(np.array_equal(array, before[name], equal_nan=True) for name, array in sensor.save().items())
 
 
+@needs_compiler
 def test_before_the_first_tick_it_is_simply_another_string() -> None:
     record = drilled(SHORT, Scenario.SMOOTH, 20)
     grown, knew = Estimator(SHORT), Estimator(longer(SHORT, -STAND))

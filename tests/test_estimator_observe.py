@@ -90,6 +90,7 @@ def test_a_string_in_steady_rotation_or_at_rest_starts_without_a_transient(speed
         np.testing.assert_allclose(told[:, CONFIRMED + TORQUE], 1e3 + 50.0 * speed, atol=1e-3)
 
 
+@needs_compiler
 @pytest.mark.parametrize("channel", [0, 1])
 def test_where_one_channel_is_lost_the_string_runs_on_and_its_return_is_seamless(channel: int) -> None:
     record = drilled(LINEAR, CHANGING, 0.0, 1, noisy=False)
@@ -156,6 +157,7 @@ def test_a_top_without_inertia_is_not_driven_by_the_noise_of_its_last_sample(lev
     assert _grown(pinned(of, level)) < 1
 
 
+@needs_compiler
 def test_a_string_without_any_loss_is_not_driven_by_its_corrections_either() -> None:
     free = PIPE.model_copy(update={"length": 600.0, "viscous_friction": 0.0})
     bit, drive = {"inertia": 50.0, "viscous_friction": 40.0}, {"inertia": 200.0}
