@@ -25,13 +25,13 @@ steps a tick are longer: ticks carry no more than half their rate there, which h
 LEAST_STEPS = 200
 """Of a string's travel time at the least: a short one swings faster, and tells of more. Steps of 4 ms would
 put the ends of its collars wrong by a twentieth of their length, and with them their ringing."""
-MORE = 1.5
-"""It may have up to so many times as many, where on their grid its components' ends lie better: waves ring on
-between them, and a wrong pitch is soon out of phase."""
-CLEARLY = 1 / 3
-"""Better is what leaves so small a share of the rounding: more steps take more time."""
 SHORTEST_STEP_S = 0.25e-3
 """But no finer for that: half of it is 0.4 m, and work grows with the steps in a second."""
+MORE = 1.5
+"""A short string may have up to so many times as many, where its components' ends lie better on their grid:
+waves ring on between them, and a wrong pitch is soon out of phase."""
+CLEARLY = 1 / 3
+"""Better is what leaves so small a share of the rounding: more steps take more time."""
 
 
 class Line(NamedTuple):
