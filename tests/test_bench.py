@@ -208,11 +208,11 @@ def test_a_process_is_known_by_its_parent() -> None:
 
 @pytest.mark.process
 def test_live_every_sample_is_consumed_recorded_and_made_a_tick_of(tmp_path: Path) -> None:
-    run = stage.run(live.rig_at(50.0), tmp_path, 1.0, None)
-    assert run.published == 200
+    run = stage.run(live.rig_at(50.0), tmp_path, 3.0, None)
+    assert run.published == 400
     book = live.book(run)
-    assert {book[f"samples {what}"] for what in ("published", "consumed", "recorded")} == {200}
-    assert {book[what] for what in ("ticks due", "ticks run", "estimates recorded")} == {100}
+    assert {book[f"samples {what}"] for what in ("published", "consumed", "recorded")} == {400}
+    assert {book[what] for what in ("ticks due", "ticks run", "estimates recorded")} == {200}
     assert book["samples lost"] == book["messages not recorded"] == 0
     assert 0 < len(run.daemon.lateness_ns) <= run.daemon.due
     assert run.daemon.lateness_ns.min() >= 0

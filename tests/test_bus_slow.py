@@ -58,12 +58,11 @@ def test_a_bunch_of_messages_is_published_without_waiting_for_who_hears_them(bus
 
 
 @pytest.mark.process
-def test_a_client_that_stands_still_is_not_waited_for_even_once(bus: Bus) -> None:
+def test_a_client_that_stands_still_is_not_waited_for(bus: Bus) -> None:
     with open_session(bus, "daemon") as session:
-        outbox = Outbox(session, "rigs/t", reliable=False)
-        waited = [_waits_for_one_that_stands_still(outbox, bus) for _ in range(3)]
-    # A busy machine may make the thread wait for another of its process; Zenoh's own wait comes each time.
-    assert min(waited) == 0
+        waited = _waits_for_one_that_stands_still(Outbox(session, "rigs/t", reliable=False), bus)
+    # Zenoh's default waits some 700 times here; on a busy machine the thread may meet another in a lock.
+    assert waited < 20
 
 
 def _waits_for_one_that_stands_still(outbox: Outbox, bus: Bus) -> int:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 from typer.testing import CliRunner
 
 from tests.daemons import wait_until
@@ -17,10 +18,12 @@ from vsensor.cli import main
 from vsensor.config import Bus, effective_toml
 from vsensor.errors import InputError
 from vsensor.estimator.component import delay
+from vsensor.estimator.forward import ForwardLine
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.severity import severity
 from vsensor.grid import NS
 from vsensor.messages import SENSOR_ALIVE, SURFACE_SPEED, SURFACE_TORQUE, Sample
+from vsensor.service.pace import Pace, Slot
 from vsensor.simulate.broadcast import TRUTH_COLUMNS, broadcast
 from vsensor.simulate.rig import Reading, SimulatedRig
 from vsensor.simulate.scenario import PLANS, Scenario
@@ -255,6 +258,34 @@ def test_the_command_publishes_for_its_time_however_short(tmp_path: Path, bus: B
             assert f"{count} samples a channel published" in result.output
             assert len(truth.read_text(encoding="utf-8").splitlines()) == count + 1
             assert received(inbox, 2 * count)
+
+
+def test_kernels_are_loaded_before_the_first_sample_is_due(
+    tmp_path: Path, bus: Bus, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    config = tmp_path / "rig.toml"
+    config.write_text(effective_toml(RIG.model_copy(update={"bus": bus})), encoding="utf-8")
+    happened: list[str] = []
+
+    class Kernel(ForwardLine):
+        def run(self, motor_torque: ArrayLike, bit_torque: ArrayLike) -> tuple[Floats, Floats, Floats]:
+            happened.append("kernel")
+            return super().run(motor_torque, bit_torque)
+
+    class Slots(Pace):
+        def slots(self) -> Iterator[Slot]:
+            happened.append("slots")
+            return super().slots()
+
+    monkeypatch.setattr("vsensor.simulate.rig.ForwardLine", Kernel)
+    monkeypatch.setattr("vsensor.service.pace.Pace", Slots)
+    with (
+        open_session(bus, "daemon") as session,
+        session.liveliness().declare_token(f"{RIG.prefix}/{SENSOR_ALIVE}"),
+    ):
+        done = CliRunner().invoke(main.app, ["simulate", str(config), "--duration", "0.04"])
+    assert done.exit_code == 0, done.output
+    assert happened == ["kernel", "slots", "kernel", "kernel"]
 
 
 def test_without_a_bus_the_command_says_what_to_start(tmp_path: Path, bus: Bus) -> None:

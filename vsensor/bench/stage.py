@@ -17,8 +17,8 @@ from vsensor.recording.reader import Session
 from vsensor.recording.summary import Summary
 
 START_S = 1.0
-"""The first second of ticks, and up to the next status, is left out of the lateness: the rig loads its
-kernels, then sends at once what is overdue."""
+"""The first second of ticks, and up to the next status, is left out of the lateness: what all three do once
+is done by then."""
 ARRIVE_S = 0.5
 """The last samples of a rig that has ended are on this machine's loopback; they need no longer."""
 PUBLISHED = re.compile(r"^(\d+) samples a channel published$", re.MULTILINE)

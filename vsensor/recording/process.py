@@ -28,6 +28,8 @@ BACKLOG_BYTES = 64 << 20
 SYNC_S = 1.0
 """At most this much is lost in a power cut."""
 
+TELL_S = 1.0
+
 _LOOK_S = 0.05  # often enough to keep the backlog short, seldom enough to cost nothing
 
 
@@ -38,9 +40,16 @@ class Reporter:
         self._clerk = clerk
         self._feed = feed
         self._said = ""
+        self._due = 0.0
+
+    def tell_each_second(self) -> None:
+        """Tell, unless that was done less than a second ago: while a slow disk is written to, too."""
+        if time.monotonic() >= self._due:
+            self.tell()
 
     def tell(self) -> None:
         """Tell how things stand now, and what has happened since the last time."""
+        self._due = time.monotonic() + TELL_S
         news = self._clerk.news()
         if news["trouble"] != self._said:
             self._said = news["trouble"]
@@ -94,6 +103,7 @@ def _record(backlog: Backlog, clerk: Clerk, reporter: Reporter) -> None:
         last = backlog.ended.wait(_LOOK_S)  # asked before taking: nothing comes after the end
         for item in backlog.take():
             clerk.take(item)
+            reporter.tell_each_second()
         clerk.work()
         if backlog.dropped and not warned:
             warned = True
