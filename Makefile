@@ -8,16 +8,17 @@ STAMP := .venv/.up-to-date
 demo: $(STAMP)
 	$(BIN)/vsensor demo $(ARGS)
 
-# The kernels as they stand, without the compiler, are tested beside all else: in the time that this spends waiting for
-# daemons, to which it gives way (nice). Each that is slow for that is not stuck: more patience than the rest has.
+# A third of the time is waiting for daemons: three at a time keep two processors busy. The kernels as they stand, without
+# the compiler, are tested beside all else, to which that gives way (nice); each that is slow for that is not stuck: more
+# patience than the rest has.
 test: $(STAMP)
 	@$(MAKE) --no-print-directory --jobs=2 test-all test-interpreted
 
 test-all: $(STAMP)
-	$(BIN)/pytest --numprocesses=2 --dist=loadfile $(ARGS)
+	$(BIN)/pytest --numprocesses=3 --dist=loadfile $(ARGS)
 
 test-interpreted: $(STAMP)
-	NUMBA_DISABLE_JIT=1 nice $(BIN)/pytest --quiet --numprocesses=2 --timeout=600 tests/test_estimator_*.py \
+	NUMBA_DISABLE_JIT=1 nice $(BIN)/pytest --quiet --numprocesses=1 --timeout=600 tests/test_estimator_*.py \
 	    >.venv/interpreted.txt 2>&1; status=$$?; cat .venv/interpreted.txt; exit $$status
 
 check: $(STAMP)

@@ -12,6 +12,8 @@ from vsensor.estimator.learn import Learned, fresh_law, learn, lose_sight
 from vsensor.estimator.sections import Floats
 from vsensor.jit import COMPILED
 
+needs_compiler = pytest.mark.skipif(not COMPILED, reason="long records: too slow without the compiler")
+
 RATE = 100.0
 ROCK = Bit(viscous_friction=12, kinetic_torque=2500, static_torque=6000, stribeck_speed=1.5)
 GUESS = Bit(viscous_friction=5, kinetic_torque=1000, static_torque=1500, stribeck_speed=1.0)
@@ -114,7 +116,7 @@ def test_a_swinging_bit_learns_new_rock_within_two_swings() -> None:
         assert told(learned, speed) == pytest.approx(1.6 * float(torque_of(ROCK, np.array(speed))), rel=0.1)
 
 
-@pytest.mark.skipif(not COMPILED, reason="long records: too slow without the compiler")
+@needs_compiler
 def test_the_whims_of_rough_rock_are_no_new_rock() -> None:
     """What is told after three minutes of them is the mean of the last minute, not of some seconds."""
     misses = []
@@ -149,6 +151,7 @@ def test_whatever_it_is_fed_the_law_resists(pairs: list[tuple[float, float]]) ->
     assert stribeck > 0
 
 
+@needs_compiler
 def test_noise_at_one_speed_tells_nothing_of_rest_nor_of_how_the_law_falls() -> None:
     random = np.random.default_rng(4)
     learned = fresh_law(ROCK)

@@ -61,6 +61,7 @@ def test_the_confirmed_error_is_as_large_as_stated(long: tuple[Estimator, Floats
         assert abs(error.mean()) < 0.3 * error.std()
 
 
+@needs_compiler
 def test_without_noise_the_truth_is_found() -> None:
     """A linear string that is as configured, and a rock that is its law: after the start nothing is left."""
     record = drilled(LINEAR, CHANGING, 0.0, 1, noisy=False)
@@ -125,6 +126,7 @@ def test_a_wild_sample_does_limited_harm(torque: float, speed: float) -> None:
     assert harm[700:, 1].max() < 60
 
 
+@needs_compiler
 def test_a_bit_at_rest_stays_exactly_at_rest_whatever_the_noise_says() -> None:
     bit = {"inertia": 50.0, "viscous_friction": 50.0, "kinetic_torque": 6e3, "static_torque": 20e3}
     of = rig(LOSSY, COLLAR, rate=20.0, bit=bit, top_drive={"inertia": 800.0, "torque_lag": 0.0})

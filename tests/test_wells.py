@@ -14,7 +14,7 @@ from vsensor.jit import COMPILED
 
 pytestmark = pytest.mark.skipif(not COMPILED, reason="minutes of a rig: too slow without the compiler")
 
-SHARES = {"400m": 0.02, "800m": 0.0085, "2500m": 0.0075, "tapered": 0.01}
+SHARES = {"400m": 0.02, "800m": 0.0085, "2500m": 0.0075, "tapered": 0.01, "stuck": 0.0125}
 """Of the true bit speed's range, what the rms error of the confirmed one may be."""
 TORQUE = 400.0
 """What that of the torque may be, N·m."""

@@ -1,10 +1,10 @@
 """A channel that tells the very same value on and on, while the other one moves: a reading that has frozen.
 
 Drives and gateways do so when what they read from is gone, and many say nothing of it. Noise alone would
-change the last digit of a reading that lives. One that is read in coarse steps, or passed on more often than
-it is read, repeats itself now and then: for how long is usual the channel itself tells. Where both stand
-still, as before the string turns, nothing is held against it, nor where the configuration says that a channel
-is without noise.
+change the last digit of a reading that lives: where one seldom repeats itself, a fourth time is enough while
+the string is turned. One that is read in coarse steps, or passed on more often than it is read, does so now
+and then: for how long is usual the channel itself tells. Where both stand still, as before the string turns,
+nothing is held against it, nor where the configuration says that a channel is without noise.
 """
 
 import math
@@ -26,10 +26,17 @@ UNUSUAL = 10
 SURELY_S = 0.3
 SURELY_TICKS = 10
 """and longer than both of these."""
+SELDOM, MOST_RUNS = 200, 100_000
+"""A channel repeats itself seldom where fewer than one run in so many does, of no more than so many;"""
+BY_CHANCE = 3
+"""it may yet come to runs of so many ticks: a reading has but so many digits."""
 MOVED = 20.0
-"""Standard deviations of its noise that the other must have moved by meanwhile: noise alone never does."""
+"""Standard deviations of its noise that the other must have moved by meanwhile: noise alone never does. A
+speed beyond as many is one of a string that is turned."""
 MOST_TICKS = 1 << 53
 """A recorded state that tells of more was damaged: numbers beyond are not whole ones any more."""
+
+_Number = float | NDArray[np.float64]
 
 
 class Run(NamedTuple):
@@ -51,18 +58,30 @@ NO_RUN = Run(math.nan, 0, math.inf, -math.inf)
 class _Reading:
     """One channel of the two."""
 
-    def __init__(self, reason: Reason, silent: Reason, rate: float, moved: float) -> None:
+    def __init__(self, reason: Reason, rate: float, moved: float, turned: float) -> None:
         self._reason = int(reason)
-        self._silent = int(silent)
+        self._is_speed = reason is Reason.FROZEN_SPEED
+        self._silent = int(Reason.STALE_SPEED if self._is_speed else Reason.STALE_TORQUE)
         self._surely = max(SURELY_TICKS, round(SURELY_S * rate))
         self._lasting = max(self._surely, round(LASTING_S * rate))
         self._known = round(KNOWN_S * rate)
         self._moved = moved
+        self._turned = turned
         self.run = NO_RUN
+        self.before = 0
+        """Ticks of the run before it,"""
         self.longest = 0
-        """Ticks of the longest run that is usual,"""
+        """of the longest run that is usual,"""
         self.heard = 0
         """and of all runs that have ended."""
+        self.runs = 0
+        """So many have,"""
+        self.repeats = 0
+        """and so many of them were of more than one tick."""
+
+    def forget(self) -> None:
+        """Begin anew; what is usual stays."""
+        self.run, self.before = NO_RUN, 0
 
     def take(self, value: float, other: float, reasons: int) -> int:
         if reasons & self._silent:  # what stands there is no reading, but the last one held
@@ -82,8 +101,9 @@ class _Reading:
         bounds = np.concatenate(([0], np.flatnonzero(np.diff(values)) + 1, [len(values)]))
         lengths = np.diff(bounds)
         lengths[0] += self.run.ticks
+        least = BY_CHANCE if self._seldom(self.runs + len(lengths)) else self._surely
         done = 0
-        for which in [*np.flatnonzero(lengths[:-1] > self._surely).tolist(), len(lengths) - 1]:
+        for which in [*np.flatnonzero(lengths[:-1] > least).tolist(), len(lengths) - 1]:
             self._end_short(lengths[done:which])
             done = which + 1
             part = slice(bounds[which], bounds[which + 1])
@@ -98,16 +118,38 @@ class _Reading:
         low = np.minimum.accumulate(np.append(held.low, others))[1:]
         high = np.maximum.accumulate(np.append(held.high, others))[1:]
         ticks = held.ticks + np.arange(1, len(others) + 1)
-        flags[(ticks > self._least()) & (high - low > self._moved)] = self._reason
+        frozen = (ticks > self._least()) & (high - low > self._moved)
+        if self._seldom_repeats:
+            frozen |= (ticks > BY_CHANCE) & (high > low) & self._is_turned(value, low, high)
+        flags[frozen] = self._reason
         return Run(value, int(ticks[-1]), float(low[-1]), float(high[-1]))
 
+    def _is_frozen(self, run: Run) -> bool:
+        value, ticks, low, high = run
+        if ticks <= BY_CHANCE:
+            return False
+        if high - low > self._moved and ticks > self._least():
+            return True
+        return self._seldom_repeats and high > low and bool(self._is_turned(value, low, high))
+
     def _least(self) -> int:
-        """Ticks beyond which a run is unusual."""
+        """Ticks beyond which a run is unusual for what repeats itself."""
         least = self._surely if self.heard >= self._known else self._lasting
         return max(least, UNUSUAL * self.longest)
 
-    def _is_frozen(self, run: Run) -> bool:
-        return run.ticks > self._surely and run.high - run.low > self._moved and run.ticks > self._least()
+    @property
+    def _seldom_repeats(self) -> bool:
+        """Whether that is known; where one is read less often from now on the run before says so."""
+        return self.runs >= self._known and self.before <= 1 and self._seldom(self.runs)
+
+    def _seldom(self, runs: int) -> bool:
+        return self.repeats * SELDOM <= min(runs, MOST_RUNS)
+
+    def _is_turned(self, value: float, low: _Number, high: _Number) -> "bool | np.bool_ | NDArray[np.bool_]":
+        """Whether the string's top was turned all the while."""
+        if self._is_speed:
+            return abs(value) > self._turned
+        return (low > self._turned) | (high < -self._turned)
 
     def _stood_still(self, run: Run) -> bool:
         return run.ticks > self._lasting and not run.high - run.low > self._moved
@@ -115,34 +157,56 @@ class _Reading:
     def _end(self) -> None:
         """Take account of a run that has ended: where it says what is usual."""
         run = self.run
-        usual = run.ticks <= self._surely  # the most are, and nothing more is asked of them
-        if usual or not (self._stood_still(run) or self._is_frozen(run)):
+        if not run.ticks:
+            return
+        if run.ticks <= BY_CHANCE or not (self._stood_still(run) or self._is_frozen(run)):
             self.longest = max(self.longest, run.ticks)
         self.heard += run.ticks
+        self.runs += 1
+        self.repeats += run.ticks > 1
+        self.before = run.ticks
         self.run = NO_RUN
 
     def _end_short(self, lengths: NDArray[np.intp]) -> None:
         """The same of runs that are none of those that could be frozen, nor still under way."""
-        self.longest = max(self.longest, int(lengths.max(initial=0)))
-        self.heard += int(lengths.sum())
+        if len(lengths):
+            self.longest = max(self.longest, int(lengths.max()))
+            self.heard += int(lengths.sum())
+            self.runs += len(lengths)
+            self.repeats += int((lengths > 1).sum())
+            self.before = int(lengths[-1])
+
+    def save(self) -> list[float | None]:
+        run = (number if math.isfinite(number) else None for number in self.run)
+        return [*run, self.before, self.longest, self.heard, self.runs, self.repeats]
+
+    def restore(self, saved: Saved) -> None:
+        value, ticks, low, high, *counts = saved.row(9)
+        self.run = Run(
+            _number(value, NO_RUN.value),
+            ticks.whole(0, MOST_TICKS),
+            _number(low, NO_RUN.low),
+            _number(high, NO_RUN.high),
+        )
+        self.before, self.longest, self.heard, self.runs, self.repeats = (
+            count.whole(0, MOST_TICKS) for count in counts
+        )
 
 
 class Frozen:
     """Watches both channels' values at the ticks."""
 
     def __init__(self, rig: Rig) -> None:
-        measured, rate = rig.measurement, rig.loop.rate
-        torque, speed = measured.torque_noise, measured.speed_noise
-        self._torque = _Reading(
-            Reason.FROZEN_TORQUE, Reason.STALE_TORQUE, rate, MOVED * speed if torque else math.inf
-        )
-        self._speed = _Reading(
-            Reason.FROZEN_SPEED, Reason.STALE_SPEED, rate, MOVED * torque if speed else math.inf
-        )
+        rate, torque, speed = rig.loop.rate, rig.measurement.torque_noise, rig.measurement.speed_noise
+        moved, turned = MOVED * torque, MOVED * speed
+        never = math.inf
+        self._torque = _Reading(Reason.FROZEN_TORQUE, rate, *((turned, turned) if torque else (never, never)))
+        self._speed = _Reading(Reason.FROZEN_SPEED, rate, *((moved, turned) if speed else (never, never)))
 
     def forget(self) -> None:
         """Begin anew; what is usual stays."""
-        self._torque.run = self._speed.run = NO_RUN
+        self._torque.forget()
+        self._speed.forget()
 
     def take(self, torque: float, speed: float, reasons: int) -> int:
         """The next tick's values, and flags of what is wrong with them; returns those of what is besides."""
@@ -156,26 +220,12 @@ class Frozen:
 
     def save(self) -> list[list[float | None]]:
         """What is remembered, as plain values: JSON knows neither NaN nor infinity."""
-        return [
-            [
-                *(number if math.isfinite(number) else None for number in reading.run),
-                reading.longest,
-                reading.heard,
-            ]
-            for reading in (self._torque, self._speed)
-        ]
+        return [reading.save() for reading in (self._torque, self._speed)]
 
     def restore(self, saved: Saved) -> None:
         """Take up what `save` gave. Raises ValueError for what it cannot have given."""
         for reading, row in zip((self._torque, self._speed), saved.row(2), strict=True):
-            value, ticks, low, high, longest, heard = row.row(6)
-            reading.run = Run(
-                _number(value, NO_RUN.value),
-                ticks.whole(0, MOST_TICKS),
-                _number(low, NO_RUN.low),
-                _number(high, NO_RUN.high),
-            )
-            reading.longest, reading.heard = longest.whole(0, MOST_TICKS), heard.whole(0, MOST_TICKS)
+            reading.restore(row)
 
 
 def _number(saved: Saved, otherwise: float) -> float:
