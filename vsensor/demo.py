@@ -87,6 +87,7 @@ def play(
             processes.enter_context(process("view", str(config), *view, quiet=False))
         source = ["simulate", str(config), "--scenario", scenario, "--truth", str(truth)]
         rig_process = processes.enter_context(process(*source))
+        _await_said(rig_process, b"Hz", "the rig", READY_S)
         say(
             f"a rig in {scenario} runs, and the sensor listens to it; "
             + (f"{seconds:g} s to go" if seconds else "Ctrl-C ends it")
@@ -124,15 +125,19 @@ def process(*arguments: str, quiet: bool = True) -> Iterator[subprocess.Popen[st
 
 def await_ready(daemon: subprocess.Popen[str], patience_s: float = READY_S) -> None:
     """Return when the daemon listens; VsensorError if it ends instead, or takes too long."""
-    out = daemon.stdout.fileno() if daemon.stdout else -1
+    _await_said(daemon, b"READY", "the daemon", patience_s)
+
+
+def _await_said(running: subprocess.Popen[str], word: bytes, who: str, patience_s: float) -> None:
+    out = running.stdout.fileno() if running.stdout else -1
     said, end = b"", time.monotonic() + patience_s
     while (left_s := end - time.monotonic()) > 0 and select.select([out], [], [], left_s)[0]:
         if not (more := os.read(out, 1 << 16)):
-            raise VsensorError("the daemon ended before it was ready; it said why above")
+            raise VsensorError(f"{who} ended before it was ready; it said why above")
         said += more
-        if b"READY" in said:
+        if word in said:
             return
-    raise VsensorError(f"the daemon was not ready within {patience_s:g} s")
+    raise VsensorError(f"{who} was not ready within {patience_s:g} s")
 
 
 def _wait(seconds: float, stopped: Callable[[], bool], running: Mapping[str, subprocess.Popen[str]]) -> None:

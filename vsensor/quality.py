@@ -27,8 +27,7 @@ class Reason(IntFlag):
     STRING_CHANGED = 1 << 5
     """The string was made longer or shorter: waves of before are still in it."""
     FROZEN_TORQUE = 1 << 6
-    """Torque repeats one value, to the last digit and longer than it ever does, while the speed moves: it is
-    taken for silent."""
+    """Torque repeats one value, to the last digit and longer than it ever does, while the speed moves."""
     FROZEN_SPEED = 1 << 7
     """Speed does, while the torque moves."""
 
@@ -37,14 +36,11 @@ class Reason(IntFlag):
         return ", ".join(flag.name.lower().replace("_", " ") for flag in self if flag.name)
 
 
-NO_TORQUE = int(Reason.STALE_TORQUE | Reason.FROZEN_TORQUE)
-NO_SPEED = int(Reason.STALE_SPEED | Reason.FROZEN_SPEED)
-"""Flags of a channel that tells nothing of the string any more, whatever stands there."""
-_WARMING_UP = int(Reason.WARMING_UP)
+_WARMING_UP, _BOTH_STALE = int(Reason.WARMING_UP), int(Reason.STALE_TORQUE | Reason.STALE_SPEED)
 
 
 def verdict(reasons: int) -> Quality:
     """Grade flags of `Reason`: bad where a number must not be used, uncertain where with care."""
-    if reasons & _WARMING_UP or (reasons & NO_TORQUE and reasons & NO_SPEED):
+    if reasons & _WARMING_UP or reasons & _BOTH_STALE == _BOTH_STALE:
         return Quality.BAD
     return Quality.UNCERTAIN if reasons else Quality.GOOD

@@ -39,9 +39,9 @@ def simulate(
     with until_signalled() as stopped, open_session(rig.bus, "client") as session:
         if not wait_for_sensor(session, rig.prefix):
             console.print(f"nobody listens on {rig.prefix} yet; publishing all the same")
-        console.print(f"rig {rig.rig.name}: {scenario} at {rig.loop.rate:g} Hz", highlight=False)
         # Another takes what kernels need at first: no real rig begins with a second's samples at once.
         SimulatedRig(rig, PLANS[scenario], seed).sample()
+        console.print(f"rig {rig.rig.name}: {scenario} at {rig.loop.rate:g} Hz", highlight=False)
         done = broadcast(
             SimulatedRig(rig, PLANS[scenario], seed),
             Outbox(session, rig.prefix, reliable=True, cache=SURFACE_CACHE).put,

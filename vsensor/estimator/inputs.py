@@ -4,7 +4,7 @@ from vsensor.estimator.noise import watch_steps
 from vsensor.estimator.state import FLAGS, Model, State
 from vsensor.estimator.tune import OFFSET
 from vsensor.jit import compiled
-from vsensor.quality import NO_SPEED, NO_TORQUE, Reason
+from vsensor.quality import Reason
 
 _WARMING_UP = int(Reason.WARMING_UP)
 _STALE_TORQUE = int(Reason.STALE_TORQUE)
@@ -19,8 +19,8 @@ def enter(model: Model, state: State, torque: float, speed: float, flags: int) -
     if not abs(speed) <= model.limits[1]:
         flags |= _STALE_SPEED
     offset = state.tuning.value[OFFSET] / model.passed
-    _keep(state, 0, torque - offset, flags & NO_TORQUE != 0)
-    _keep(state, 1, speed, flags & NO_SPEED != 0)
+    _keep(state, 0, torque - offset, flags & _STALE_TORQUE != 0)
+    _keep(state, 1, speed, flags & _STALE_SPEED != 0)
     watch_steps(model, state, state.ticks[0] % state.inputs.shape[1])
     return flags
 

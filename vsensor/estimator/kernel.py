@@ -28,7 +28,7 @@ from vsensor.estimator.study import (
 )
 from vsensor.estimator.tune import DELAY, FRICTION, INERTIA, OFFSET, SETTLED_S, STRINGS, wall_torque
 from vsensor.jit import compiled
-from vsensor.quality import NO_SPEED, NO_TORQUE, Reason
+from vsensor.quality import Reason
 
 CONFIRMED, NOW, FORECAST = 0, 4, 8
 """Where each answer starts in a row of output: speed, its deviation, torque, its deviation."""
@@ -49,8 +49,8 @@ LOST = 1e4
 """Innovations a hundred times larger than expected: the model string has nothing to do with the real one."""
 
 _WARMING_UP = int(Reason.WARMING_UP)
-_HALF_MEASURED = NO_TORQUE | NO_SPEED
-_NOT_MEASURED = _WARMING_UP | _HALF_MEASURED
+_STALE = int(Reason.STALE_TORQUE | Reason.STALE_SPEED)
+_NOT_MEASURED = _WARMING_UP | _STALE
 
 
 @compiled
@@ -258,7 +258,7 @@ def _answer(state: State, tick: int, reasons: int, stick: float, out: Floats) ->
     place = tick % scores.foretold.shape[3]
     for q in range(2):
         doubt = out[CONFIRMED + 2 * q + 1]
-        if reasons & _HALF_MEASURED:  # what was not measured the string was told by the law
+        if reasons & _STALE:  # what was not measured the string was told by the law
             doubt += missed(scores, FIRST, q, tick)
         if math.isnan(doubt):
             out[CONFIRMED + 2 * q] = math.nan

@@ -2,9 +2,10 @@
 
 Drives and gateways do so when what they read from is gone, and many say nothing of it. Noise alone would
 change the last digit of a reading that lives: where one seldom repeats itself, a fourth time is enough while
-the string is turned. One that is read in coarse steps, or passed on more often than it is read, does so now
-and then: for how long is usual the channel itself tells. Where both stand still, as before the string turns,
-nothing is held against it, nor where the configuration says that a channel is without noise.
+the string is turned, and such a channel is then as silent as one that tells nothing. One that is read in
+coarse steps, or passed on more often than it is read, repeats itself now and then: for how long is usual the
+channel itself tells. Where both stand still, as before the string turns, nothing is held against it, nor
+where the configuration says that a channel is without noise.
 """
 
 import math
@@ -89,7 +90,7 @@ class _Reading:
             return 0
         if value == self.run.value:
             self.run = run = self.run.on(other)
-            return self._reason if self._is_frozen(run) else 0
+            return self._flag if self._is_frozen(run) else 0
         self._end()
         self.run = Run(value, 1, other, other)
         return 0
@@ -108,12 +109,12 @@ class _Reading:
             done = which + 1
             part = slice(bounds[which], bounds[which + 1])
             held = self.run if which == 0 else NO_RUN
-            self.run = self._flag(held, float(values[part.start]), others[part], flags[part])
+            self.run = self._go_on(held, float(values[part.start]), others[part], flags[part])
             if done < len(lengths):
                 self._end()
         return flags
 
-    def _flag(self, held: Run, value: float, others: NDArray[np.float64], flags: NDArray[np.uint32]) -> Run:
+    def _go_on(self, held: Run, value: float, others: NDArray[np.float64], flags: NDArray[np.uint32]) -> Run:
         """Flag what is frozen of a run that goes on from another; returns the whole of it."""
         low = np.minimum.accumulate(np.append(held.low, others))[1:]
         high = np.maximum.accumulate(np.append(held.high, others))[1:]
@@ -121,8 +122,12 @@ class _Reading:
         frozen = (ticks > self._least()) & (high - low > self._moved)
         if self._seldom_repeats:
             frozen |= (ticks > BY_CHANCE) & (high > low) & self._is_turned(value, low, high)
-        flags[frozen] = self._reason
+        flags[frozen] = self._flag
         return Run(value, int(ticks[-1]), float(low[-1]), float(high[-1]))
+
+    @property
+    def _flag(self) -> int:
+        return self._reason | (self._silent if self._seldom_repeats else 0)
 
     def _is_frozen(self, run: Run) -> bool:
         value, ticks, low, high = run
