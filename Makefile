@@ -15,7 +15,7 @@ test: $(STAMP)
 	@$(MAKE) --no-print-directory --jobs=2 test-all test-interpreted
 
 test-all: $(STAMP)
-	$(BIN)/pytest --numprocesses=3 --dist=loadfile $(ARGS)
+	$(BIN)/pytest --numprocesses=3 --dist=loadfile --no-loadscope-reorder $(ARGS)
 
 test-interpreted: $(STAMP)
 	NUMBA_DISABLE_JIT=1 nice $(BIN)/pytest --quiet --numprocesses=1 --timeout=600 tests/test_estimator_*.py \

@@ -28,7 +28,7 @@ from vsensor.estimator.ring import mask_of
 from vsensor.estimator.score import HORIZONS
 from vsensor.estimator.sections import Floats, Integers, Line
 from vsensor.estimator.state import BIT, Model, State
-from vsensor.jit import COMPILED, compiled
+from vsensor.jit import COMPILED, inlined
 
 WORTHWHILE = 16
 """Fewer are done sooner one by one."""
@@ -87,7 +87,7 @@ def most_abreast(model: Model) -> int:
     return min(LANES, model.lag + model.now // model.steps)
 
 
-@compiled
+@inlined
 def set_out(model: Model, state: State, room: Room, lane: int) -> None:
     """Keep what the march of this tick sets out from."""
     trips, kept = model.line.round_trip, room.kept[lane]
@@ -108,19 +108,19 @@ def set_out(model: Model, state: State, room: Room, lane: int) -> None:
     room.bits[EXTERNAL + lane] = state.rock[0] * model.fade
 
 
-@compiled
+@inlined
 def _copy(source: Floats, to: Floats) -> None:
     for k in range(source.shape[0]):
         to[k] = source[k]
 
 
-@compiled
+@inlined
 def ask(room: Room, steps: int) -> None:
     """Ask for the torques after so many steps: most are never told of, and need not be worked out."""
     room.asked[steps - 1] = 1
 
 
-@compiled
+@inlined
 def march_abreast(model: Model, room: Room, steps: int) -> None:
     """March all lanes for so many steps; the torques of those that are `asked` for are told."""
     line, rows = model.line, room.rows
@@ -152,7 +152,7 @@ def march_abreast(model: Model, room: Room, steps: int) -> None:
         _see_sticks(model, room)
 
 
-@compiled
+@inlined
 def _shortest(trips: Integers) -> int:
     length = trips[0]
     for i in range(trips.shape[0]):
@@ -160,14 +160,14 @@ def _shortest(trips: Integers) -> int:
     return int(length)
 
 
-@compiled
+@inlined
 def _row(first: int, on: int, trip: int) -> int:
     """The row of a section's line so many steps, `trip` at the most, behind the first."""
     row = first + on
     return row if row < trip else row - trip
 
 
-@compiled
+@inlined
 def _lay(line: Line, room: Room) -> None:
     """Lay out what was kept by lanes."""
     before = 0
@@ -180,7 +180,7 @@ def _lay(line: Line, room: Room) -> None:
     room.rows[:] = 0
 
 
-@compiled
+@inlined
 def _pass_junction(line: Line, i: int, waves: Floats, rows: Integers, run: int, speeds: Floats) -> None:
     """Pass the waves g of a run of steps, waiting in the section below, through the junction below section i.
 
@@ -203,7 +203,7 @@ def _pass_junction(line: Line, i: int, waves: Floats, rows: Integers, run: int, 
             above[lane] = f - 2 * z * w
 
 
-@compiled
+@inlined
 def _see_sticks(model: Model, room: Room) -> None:
     """Look when each bit is foretold to stick."""
     rests, sticks = room.rests, room.sticks

@@ -11,7 +11,7 @@ from vsensor.estimator.ring import mask_of
 from vsensor.estimator.score import HORIZONS
 from vsensor.estimator.state import BIT, END, NEXT, NONE, TOLD, Model, State
 from vsensor.estimator.sweep import BALANCE, EXTERNAL, Span, sweep
-from vsensor.jit import compiled
+from vsensor.jit import compiled, inlined
 
 REFRESH_HZ = 100.0
 """So many marches are begun in a second, at the most:"""
@@ -40,7 +40,7 @@ def reach(model: Model, kinds: int) -> int:
     return int(model.horizons[kinds - 1]) + (model.lasting if kinds == HORIZONS else 0)
 
 
-@compiled
+@inlined
 def predict(model: Model, state: State, steps: int) -> None:
     """March on, until `ahead` tells of the bit at each of so many steps after the newest.
 
@@ -61,7 +61,7 @@ def predict(model: Model, state: State, steps: int) -> None:
         _go_on(model, state, next_step, end)
 
 
-@compiled
+@inlined
 def _set_out(model: Model, state: State, first: int, end: int) -> None:
     """Begin a march of the steps from `first` to before `end`."""
     state.course[NEXT], state.course[END] = first, end
@@ -71,7 +71,7 @@ def _set_out(model: Model, state: State, first: int, end: int) -> None:
     state.carried[BALANCE] = state.balances[0, BIT]
 
 
-@compiled
+@inlined
 def _go_on(model: Model, state: State, unknown: int, until: int) -> None:
     """March to before step `until`; the top is known to before step `unknown`."""
     course = state.course
@@ -84,7 +84,7 @@ def _go_on(model: Model, state: State, unknown: int, until: int) -> None:
     course[TOLD] = course[END] if course[NEXT] >= course[END] else max(course[NEXT], course[TOLD])
 
 
-@compiled
+@inlined
 def stick_ahead(model: Model, state: State) -> float:
     """Time from now until the bit is foretold to stick, s; 0 while it does; NaN where it does not."""
     first = state.ticks[0] * model.steps + model.steps
@@ -97,7 +97,7 @@ def stick_ahead(model: Model, state: State) -> float:
     return math.nan
 
 
-@compiled
+@inlined
 def time_to(model: Model, step: int) -> float:
     """Time from now until so many steps of a march were made, s; 0 where that is past."""
     return max(0.0, (step - (model.now - 1)) * (1.0 / (model.rate * model.steps)))

@@ -25,7 +25,7 @@ from vsensor.config import Component
 from vsensor.estimator.line import rubbing
 from vsensor.estimator.ring import mask_of, room_of
 from vsensor.estimator.sections import Floats, Integers, Line
-from vsensor.jit import compiled
+from vsensor.jit import compiled, inlined
 
 INTERVALS = 50
 """The string is told at its components' ends and in so many steps of equal length between them."""
@@ -150,7 +150,7 @@ def late_correction(heard: Heard, of_innovation: Floats, step: int, least: int) 
     return total
 
 
-@compiled
+@inlined
 def _weighted(gains: Floats, steps: int, levels: Integers, innovations: Floats) -> float:
     """Innovations (n,), each by the gain of its level and its age; in four sums, which wait less.
 

@@ -5,7 +5,7 @@ import math
 from vsensor.estimator.exponential import exponential
 from vsensor.estimator.load import CLOSE, MOST, Load, foot, law
 from vsensor.estimator.sections import Floats, Line
-from vsensor.jit import compiled
+from vsensor.jit import inlined
 
 LANES = 64
 """So many ticks march at once: vectors enough to follow each other without a pause."""
@@ -16,7 +16,7 @@ SPEED, BALANCE, EXTERNAL, DRIVE, FOUND, UNSETTLED = range(0, 6 * LANES, LANES)
 VISCOUS, KINETIC, STATIC, STRIBECK, RATE, RESISTANCE, MOBILITY = range(6 * LANES, PARTS * LANES, LANES)
 
 
-@compiled
+@inlined
 def set_out_bit(line: Line, load: Load, inertia_rate: float, bits: Floats, lane: int) -> None:
     """Keep what a bit meets on its march, and what would be worked out anew at each step of it."""
     bits[VISCOUS + lane], bits[KINETIC + lane] = load.viscous, load.kinetic
@@ -27,7 +27,7 @@ def set_out_bit(line: Line, load: Load, inertia_rate: float, bits: Floats, lane:
     bits[RATE + lane] = 1.0 / load.stribeck
 
 
-@compiled
+@inlined
 def turn_bits(line: Line, inertia_rate: float, arriving: Floats, bits: Floats) -> None:
     """Find how fast each bit turns, as `load.turn_bit` does: one step of Newton's for all, mostly enough."""
     at = foot(line)
@@ -51,7 +51,7 @@ def turn_bits(line: Line, inertia_rate: float, arriving: Floats, bits: Floats) -
         unsettled = _approach(line, bits)
 
 
-@compiled
+@inlined
 def _approach(line: Line, bits: Floats) -> int:
     """One more of Newton's steps for those that need it; returns how many still do."""
     at = foot(line)
@@ -68,7 +68,7 @@ def _approach(line: Line, bits: Floats) -> int:
     return unsettled
 
 
-@compiled
+@inlined
 def _nearer(x: float, drive: float, resistance: float, fall: float, rate: float) -> tuple[float, bool]:
     """One of Newton's steps as in `load._sliding`, and whether it was the last; 0 where the bit is held."""
     gone = fall * exponential(-x * rate)
@@ -81,7 +81,7 @@ def _nearer(x: float, drive: float, resistance: float, fall: float, rate: float)
     return 0.0 if held else x, held | near
 
 
-@compiled
+@inlined
 def tell_torques(arriving: Floats, bits: Floats, told: Floats) -> None:
     """Tell what the bits are about to meet."""
     for lane in range(LANES):
@@ -93,7 +93,7 @@ def tell_torques(arriving: Floats, bits: Floats, told: Floats) -> None:
         told[lane] = external + (law(load, w) if w != 0 else arriving[lane] - external)
 
 
-@compiled
+@inlined
 def move_bits(
     line: Line, inertia_rate: float, fade: float, arriving: Floats, bits: Floats, told: Floats
 ) -> None:

@@ -3,7 +3,7 @@
 from vsensor.estimator.noise import watch_steps
 from vsensor.estimator.state import FLAGS, Model, State
 from vsensor.estimator.tune import OFFSET
-from vsensor.jit import compiled
+from vsensor.jit import inlined
 from vsensor.quality import Reason
 
 _WARMING_UP = int(Reason.WARMING_UP)
@@ -11,7 +11,7 @@ _STALE_TORQUE = int(Reason.STALE_TORQUE)
 _STALE_SPEED = int(Reason.STALE_SPEED)
 
 
-@compiled
+@inlined
 def enter(model: Model, state: State, torque: float, speed: float, flags: int) -> int:
     """Enter a tick's samples; returns its flags, and those of samples not finite or beyond belief."""
     if not abs(torque) <= model.limits[0]:
@@ -25,7 +25,7 @@ def enter(model: Model, state: State, torque: float, speed: float, flags: int) -
     return flags
 
 
-@compiled
+@inlined
 def _keep(state: State, channel: int, value: float, missing: bool) -> None:
     """Enter a sample; the last one again where it is missing, the first one as if it had long been so."""
     width = state.inputs.shape[1]
@@ -41,7 +41,7 @@ def _keep(state: State, channel: int, value: float, missing: bool) -> None:
         state.inputs[channel, place] = value
 
 
-@compiled
+@inlined
 def follow_bit(model: Model, state: State, off: bool) -> None:
     """Count since when the bit has been off bottom; the model's own is a travel time behind."""
     count = state.off_bottom[0]
@@ -50,7 +50,7 @@ def follow_bit(model: Model, state: State, off: bool) -> None:
         state.learned.idle[0] = 1 if off else 0
 
 
-@compiled
+@inlined
 def lasting(model: Model, state: State, flags: int) -> int:
     """Flags of the confirmed answer: all that were raised on any input that takes part in it."""
     tick = state.ticks[0]

@@ -27,7 +27,7 @@ from vsensor.estimator.study import (
     study_wall,
 )
 from vsensor.estimator.tune import DELAY, FRICTION, INERTIA, OFFSET, SETTLED_S, STRINGS, wall_torque
-from vsensor.jit import compiled
+from vsensor.jit import compiled, inlined
 from vsensor.quality import Reason
 
 CONFIRMED, NOW, FORECAST = 0, 4, 8
@@ -120,13 +120,13 @@ def advance_abreast(
             _answer(state, tick, out_reasons[k], stick, out[k])
 
 
-@compiled
+@inlined
 def _kinds(reasons: int) -> int:
     """How many of the horizons are foretold."""
     return FIRST + 1 if reasons & NO_FORECAST else HORIZONS
 
 
-@compiled
+@inlined
 def _take(model: Model, state: State, torque: float, speed: float, reasons: int, out: Floats) -> int:
     """All of a tick but the march: returns the flags of its answers, and lays these out (`_lay_out`)."""
     flags = enter(model, state, torque, speed, int(reasons) & (OFF_BOTTOM - 1))
@@ -151,7 +151,7 @@ def _take(model: Model, state: State, torque: float, speed: float, reasons: int,
     return doubts
 
 
-@compiled
+@inlined
 def _lay(model: Model, state: State) -> None:
     """Lay the waves of all strings as of steady rotation, at the start or where they have gone astray."""
     place = state.ticks[0] % state.inputs.shape[1]
@@ -162,7 +162,7 @@ def _lay(model: Model, state: State) -> None:
     state.ticks[1] = state.ticks[0]
 
 
-@compiled
+@inlined
 def _doubt(model: Model, state: State, quantity: int, step: int) -> float:
     """Variance of a confirmed answer: by noise and rock, and by what is uncertain of the parameters."""
     mask = mask_of(state.told.shape[2])
@@ -185,7 +185,7 @@ def _doubt(model: Model, state: State, quantity: int, step: int) -> float:
     return float(by_noise + by_parameters)
 
 
-@compiled
+@inlined
 def _score(model: Model, state: State) -> None:
     """Hold what was foretold against what is confirmed by now."""
     mask = mask_of(state.told.shape[2])
@@ -200,7 +200,7 @@ def _score(model: Model, state: State) -> None:
             score(state.scores, kind, q, tick, state.told[0, q, step & mask], model.rate)
 
 
-@compiled
+@inlined
 def _expect(model: Model, state: State, kinds: int) -> None:
     """Note the gains' variance, for this rock, of what is about to be foretold."""
     level = state.level[0]
@@ -211,7 +211,7 @@ def _expect(model: Model, state: State, kinds: int) -> None:
         expect(state.scores, kind, state.ticks[0], state.unforeseen, kind < kinds)
 
 
-@compiled
+@inlined
 def _foretell(model: Model, state: State, tick: int, kinds: int, told: Floats, known: int, mask: int) -> None:
     """Note what the march of a tick says of the first horizons: `told` (2, …) of the steps after `known`."""
     for kind in range(kinds):
@@ -221,18 +221,18 @@ def _foretell(model: Model, state: State, tick: int, kinds: int, told: Floats, k
             foretell(state.scores, kind, q, tick, value, (value - earlier) / _change_steps(model))
 
 
-@compiled
+@inlined
 def _change_steps(model: Model) -> int:
     return max(1, int(CHANGE_S * model.rate * model.steps))
 
 
-@compiled
+@inlined
 def _before(model: Model, kind: int) -> int:
     """The step of a march from which the change to a horizon is taken: that of the first, at the earliest."""
     return max(int(model.horizons[kind]) - _change_steps(model), 1)
 
 
-@compiled
+@inlined
 def _lay_out(model: Model, state: State, reasons: int, out: Floats) -> None:
     """Fill a row with what is known of the answers before the march, `_answer` with the rest.
 
@@ -248,7 +248,7 @@ def _lay_out(model: Model, state: State, reasons: int, out: Floats) -> None:
     _answer_top(model, state, out)
 
 
-@compiled
+@inlined
 def _answer(state: State, tick: int, reasons: int, stick: float, out: Floats) -> None:
     """Make a tick's answers of what was laid out and foretold; what has no known deviation is not told."""
     if reasons & _WARMING_UP:
@@ -271,7 +271,7 @@ def _answer(state: State, tick: int, reasons: int, stick: float, out: Floats) ->
                 _tell(out, at + 2 * q, scores.foretold[kind, q, VALUE, place], miss + doubt)
 
 
-@compiled
+@inlined
 def _answer_top(model: Model, state: State, out: Floats) -> None:
     """The string's top at the time that is confirmed of the bit, and what noise and offset leave of doubt."""
     step = confirmed_step(model, state) - (model.now - model.behind * model.steps)
@@ -283,7 +283,7 @@ def _answer_top(model: Model, state: State, out: Floats) -> None:
         _tell(out, TOP + 2 * q, state.told[0, 2 + q, at], doubt)
 
 
-@compiled
+@inlined
 def _tell(out: Floats, at: int, value: float, variance: float) -> None:
     out[at] = value
     out[at + 1] = math.sqrt(variance)

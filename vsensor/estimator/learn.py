@@ -18,7 +18,7 @@ import numpy as np
 from vsensor.config import Bit
 from vsensor.estimator.load import Load
 from vsensor.estimator.sections import Floats, Integers
-from vsensor.jit import compiled
+from vsensor.jit import compiled, inlined
 
 STRIBECK_SPEEDS = np.array([0.2 * 25.0 ** (i / 8) for i in range(9)])
 """Candidates, rad/s: 2 to 48 rpm, each half as fast again as the one before."""
@@ -138,7 +138,7 @@ def lose_sight(learned: Learned) -> None:
     learned.scale[1] = 0.0
 
 
-@compiled
+@inlined
 def _forget(learned: Learned, memory: int, share: float) -> None:
     for c in range(learned.speeds.shape[0]):
         for i in range(3):
@@ -148,7 +148,7 @@ def _forget(learned: Learned, memory: int, share: float) -> None:
     learned.square[memory] *= share
 
 
-@compiled
+@inlined
 def _has_changed(learned: Learned, least: float) -> bool:
     """Whether what the law left over of late is of one sign, and more than is usual: a shift, no scatter."""
     chosen = learned.stop[1]
@@ -164,19 +164,19 @@ def _has_changed(learned: Learned, least: float) -> bool:
     return bool(of_mean * weight_long > SHIFTED * SHIFTED * weight * weight * usual)
 
 
-@compiled
+@inlined
 def weight_of(learned: Learned) -> float:
     """How many ticks of sliding the law rests on."""
     return _weight(learned.normal[LONG, learned.stop[1]])
 
 
-@compiled
+@inlined
 def _weight(normal: Floats) -> float:
     """The sum of all weights: the regressors 1 − e and e add up to 1."""
     return float(normal[KINETIC, KINETIC] + 2.0 * normal[KINETIC, STATIC] + normal[STATIC, STATIC])
 
 
-@compiled
+@inlined
 def _begin_anew(learned: Learned) -> None:
     """Forget all but the last seconds. Element by element: no array is allocated in a kernel."""
     for c in range(learned.speeds.shape[0]):
@@ -187,7 +187,7 @@ def _begin_anew(learned: Learned) -> None:
     learned.square[LONG] = learned.square[LATE]
 
 
-@compiled
+@inlined
 def _slide(learned: Learned, speed: float, torque: float, rate: float) -> None:
     viscous, kinetic, static, stribeck = learned.law
     expected = viscous * speed + kinetic + (static - kinetic) * math.exp(-speed / stribeck)
@@ -198,7 +198,7 @@ def _slide(learned: Learned, speed: float, torque: float, rate: float) -> None:
     learned.scale[0] += gain * (1.25 * min(miss, 2 * limit) - learned.scale[0])
 
 
-@compiled
+@inlined
 def _add(learned: Learned, speed: float, torque: float, weight: float) -> None:
     for c in range(learned.speeds.shape[0]):
         fallen = math.exp(-speed / learned.speeds[c])
@@ -210,13 +210,13 @@ def _add(learned: Learned, speed: float, torque: float, weight: float) -> None:
     _add_both(learned.square, weight * torque * torque)
 
 
-@compiled
+@inlined
 def _add_both(sums: Floats, more: float) -> None:
     sums[LONG] += more
     sums[LATE] += more
 
 
-@compiled
+@inlined
 def _work_out(learned: Learned, inertia: float) -> None:
     chosen = learned.stop[1]
     best = chosen
@@ -235,7 +235,7 @@ def _work_out(learned: Learned, inertia: float) -> None:
     learned.law[3] = learned.speeds[chosen]
 
 
-@compiled
+@inlined
 def _fit(learned: Learned, c: int, inertia: float) -> None:
     """Least squares over numbers that are not negative, held back by those of before."""
     p = learned.fits[c]
@@ -258,7 +258,7 @@ def _fit(learned: Learned, c: int, inertia: float) -> None:
             break
 
 
-@compiled
+@inlined
 def _residual(learned: Learned, memory: int, c: int) -> float:
     p = learned.fits[c]
     total = learned.square[memory]

@@ -11,7 +11,7 @@ mended in docs/theory; the method of characteristics.)
 from vsensor.estimator.load import Load, contact, foot, law, turn_bit
 from vsensor.estimator.ring import mask_of
 from vsensor.estimator.sections import Floats, Line
-from vsensor.jit import compiled
+from vsensor.jit import compiled, inlined
 
 FADE_SPEED = 1.0
 """Below this speed (rad/s) Coulomb friction fades to zero where it is told of a speed that was measured: a
@@ -19,7 +19,7 @@ junction at rest may bear any torque up to the static one, and the sign of its n
 friction from side to side."""
 
 
-@compiled
+@inlined
 def rubbing(line: Line, junction: int, speed: float) -> float:
     """Friction of a junction that turns at a measured speed, N·m."""
     share = min(1.0, max(-1.0, speed / FADE_SPEED))
@@ -53,7 +53,7 @@ def march(
     return g, balance
 
 
-@compiled
+@inlined
 def pass_bit(
     line: Line,
     load: Load,
@@ -80,7 +80,7 @@ def pass_bit(
     return f + external - 2 * at.impedance * w, balance
 
 
-@compiled
+@inlined
 def pass_junction(
     line: Line, waves: Floats, i: int, step: int, heard: int, g: float, speeds: Floats
 ) -> float:
@@ -95,14 +95,14 @@ def pass_junction(
     return float(f - 2 * z * w)
 
 
-@compiled
+@inlined
 def _arriving(line: Line, waves: Floats, i: int, step: int, heard: int) -> float:
     """The wave f at the bottom of section i."""
     left = step - line.round_trip[i]
     return float(waves[i, (min(left, heard) if i == 0 else left) & mask_of(waves.shape[1])])
 
 
-@compiled
+@inlined
 def turn_top(
     line: Line, drive_rate: float, pull: float, before: float, balance: float
 ) -> tuple[float, float]:

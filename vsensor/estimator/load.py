@@ -6,7 +6,7 @@ from typing import NamedTuple
 from vsensor.config import Bit
 from vsensor.estimator.exponential import exponential
 from vsensor.estimator.sections import Line
-from vsensor.jit import compiled
+from vsensor.jit import compiled, inlined
 
 CLOSE = 1e-12
 """The bit's speed is found to so small a share of itself,"""
@@ -59,7 +59,7 @@ class Foot(NamedTuple):
     static: float
 
 
-@compiled
+@inlined
 def foot(line: Line) -> Foot:
     """The foot of a line."""
     end = line.impedance.shape[0]
@@ -71,7 +71,7 @@ def foot(line: Line) -> Foot:
     )
 
 
-@compiled
+@inlined
 def turning(load: Load, at: Foot, f: float, speed: float) -> float:
     """J dω/dt of a bit that slides at `speed` while the wave f arrives, N·m; 0 at rest or without inertia."""
     if speed == 0 or load.inertia_rate == 0:
@@ -80,7 +80,7 @@ def turning(load: Load, at: Foot, f: float, speed: float) -> float:
     return f - at.impedance * speed - rubbing - law(load, speed)
 
 
-@compiled
+@inlined
 def contact(drive: float, mobility: float, kinetic: float, static: float, before: float) -> float:
     """Speed w of a junction: w / mobility + Coulomb friction = drive; rests until `static` is passed.
 
@@ -109,7 +109,7 @@ def turn_bit(load: Load, at: Foot, f: float, before: float, balance: float) -> t
     return w, load.inertia_rate * (w - before) - balance
 
 
-@compiled
+@inlined
 def _sliding(load: Load, drive: float, resistance: float) -> float:
     """Solve resistance·x + (static − kinetic) e^(−x/stribeck) = drive for the fastest x ≥ 0; else 0.
 

@@ -17,7 +17,7 @@ its square.
 import math
 
 from vsensor.estimator.state import SPEED, TORQUE, Model, State
-from vsensor.jit import compiled
+from vsensor.jit import compiled, inlined
 
 CHANGES = 20
 """After so many changes, by chance they would not all be multiples of one step,"""
@@ -41,7 +41,7 @@ STEP, COUNT, TICKS = range(3)
 """Of the present block of changes: the step of which all are multiples, how many there were, its ticks."""
 
 
-@compiled
+@inlined
 def watch_steps(model: Model, state: State, place: int) -> None:
     """Look at the change that the newest inputs bring, and judge the channels where a block has ended."""
     before = (place - 1) % state.inputs.shape[1]
@@ -58,7 +58,7 @@ def watch_steps(model: Model, state: State, place: int) -> None:
             block[:] = 0.0
 
 
-@compiled
+@inlined
 def judge_noise(model: Model, state: State, past: int) -> None:
     """Judge by the innovation at `past` in their ring, and by steps, how much noisier the channels are."""
     size = state.innovations.shape[0]
@@ -83,7 +83,7 @@ def coarseness(model: Model, state: State, channel: int) -> float:
     return float(SHARES[channel] * state.resolution[channel] / model.noise[channel])
 
 
-@compiled
+@inlined
 def _divisor(one: float, other: float, fine: float) -> float:
     """The greatest number of which both are multiples, but for what is fine."""
     while other > fine:

@@ -32,7 +32,7 @@ from vsensor.estimator.rise import rise
 from vsensor.estimator.score import VALUE
 from vsensor.estimator.sections import Floats, Integers, Line
 from vsensor.estimator.state import BIT, SPEED, TOP, TORQUE, Model, State, Strand, line_of, strand
-from vsensor.jit import compiled
+from vsensor.jit import compiled, inlined
 
 REST_SPEED = 0.2
 """A string whose top turns more slowly than this (rad/s) at the start is taken to stand still."""
@@ -42,7 +42,7 @@ SURPRISE_S = 2.0
 """Time over which the innovations' size is judged."""
 
 
-@compiled
+@inlined
 def settle(model: Model, state: State, which: int, torque: float, speed: float) -> None:
     """Lay the waves of a string that has long turned, or stood, under this motor torque and speed."""
     line, string = line_of(model, which), strand(state, which)
@@ -59,7 +59,7 @@ def settle(model: Model, state: State, which: int, torque: float, speed: float) 
     string.rock[0] = t - law(load, w) if w != 0 else 0.0
 
 
-@compiled
+@inlined
 def observe(model: Model, state: State) -> None:
     """Run all strings by the internal steps of this tick, whose input has been entered, and correct them.
 
@@ -89,7 +89,7 @@ def observe(model: Model, state: State) -> None:
     judge_noise(model, state, past)
 
 
-@compiled
+@inlined
 def _turn_tops(model: Model, state: State, place: int, silent: bool, step: int, share: float) -> None:
     """Turn all tops by what was measured when such a share of this tick was over."""
     before = (place - 1) % state.inputs.shape[1]
@@ -104,7 +104,7 @@ def _turn_tops(model: Model, state: State, place: int, silent: bool, step: int, 
             turn_by_torque(line, model.drive_rates[which], string, step, torque * model.passed)
 
 
-@compiled
+@inlined
 def _torque_silent(model: Model, state: State, place: int) -> bool:
     """Whether a torque sample is missing that this tick's steps, those of the sample at `place`, need."""
     width, whole = state.inputs.shape[1], int(model.late)
@@ -113,7 +113,7 @@ def _torque_silent(model: Model, state: State, place: int) -> bool:
     return bool(state.missing[TORQUE, early] + state.missing[TORQUE, then] + state.missing[TORQUE, after] > 0)
 
 
-@compiled
+@inlined
 def _torque_at(model: Model, state: State, which: int, place: int, share: float) -> float:
     """The motor's torque when such a share of this tick was over, told `late` ticks afterwards."""
     width, whole = state.inputs.shape[1], int(model.late)
@@ -126,7 +126,7 @@ def _torque_at(model: Model, state: State, which: int, place: int, share: float)
     return float(start + between * (state.inputs[TORQUE, other] + state.motor[which, other] - start))
 
 
-@compiled
+@inlined
 def _correct(model: Model, state: State, place: int) -> None:
     """Correct all of the strings, and what is held against the torques that are still to act."""
     gains, level = model.gains, state.level[0]
@@ -141,7 +141,7 @@ def _correct(model: Model, state: State, place: int) -> None:
     correct_waves(gains.waves[level], model.inside, state.waves, last, state.innovation)
 
 
-@compiled
+@inlined
 def turn_by_torque(line: Line, drive_rate: float, string: Strand, step: int, torque: float) -> None:
     """End an internal step of a string in which g has risen, and whose top drive passes on `torque`."""
     g = string.waves[0, step & mask_of(string.waves.shape[1])]
@@ -151,7 +151,7 @@ def turn_by_torque(line: Line, drive_rate: float, string: Strand, step: int, tor
     _send_down(line, string, step, g, w)
 
 
-@compiled
+@inlined
 def turn_by_speed(line: Line, drive_rate: float, string: Strand, step: int, speed: float) -> None:
     """The same of a string whose top turns at `speed`, whatever torque that takes."""
     g = string.waves[0, step & mask_of(string.waves.shape[1])]
@@ -159,7 +159,7 @@ def turn_by_speed(line: Line, drive_rate: float, string: Strand, step: int, spee
     _send_down(line, string, step, g, speed)
 
 
-@compiled
+@inlined
 def _send_down(line: Line, string: Strand, step: int, g: float, speed: float) -> None:
     z = line.impedance[0]
     now = step & mask_of(string.told.shape[1])
@@ -181,7 +181,7 @@ def shift_torque(model: Model, state: State, by: float) -> None:
     state.scores.foretold[:, TOLD_BIT_TORQUE, VALUE] -= by
 
 
-@compiled
+@inlined
 def note_rest(model: Model, state: State) -> None:
     """Note how much of the torque resting parts of the wall may hold at this tick."""
     held = 0.0
@@ -191,7 +191,7 @@ def note_rest(model: Model, state: State) -> None:
     state.held[state.ticks[0] % state.held.shape[0]] = held
 
 
-@compiled
+@inlined
 def _tamed(model: Model, state: State, which: int, innovation: float) -> float:
     """An innovation held within what can be believed; keeps count of how large they are."""
     expected = model.gains.innovation[state.level[0]] * state.noisier[0]
@@ -201,7 +201,7 @@ def _tamed(model: Model, state: State, which: int, innovation: float) -> float:
     return tamed
 
 
-@compiled
+@inlined
 def correct_ends(gains: Gains, level: int, string: Strand, innovation: float) -> None:
     """Correct top drive, bit and rock as they stand. What rests stays at rest."""
     junctions, balances = string.junctions, string.balances
@@ -215,7 +215,7 @@ def correct_ends(gains: Gains, level: int, string: Strand, innovation: float) ->
     string.rock[0] += gains.state[level, ROCK] * innovation
 
 
-@compiled
+@inlined
 def correct_told(of_innovation: Floats, told: Floats, last: int, innovation: Floats) -> None:
     """Correct the answers (N, 4, size) of the steps up to `last` by gains (4, L), each by its innovation.
 
@@ -259,7 +259,7 @@ def correct_waves(
             done = until
 
 
-@compiled
+@inlined
 def _correct_bit(
     of_speed: Floats, of_torque: Floats, speeds: Floats, torques: Floats, innovation: float
 ) -> None:
@@ -269,7 +269,7 @@ def _correct_bit(
         speeds[k] = speeds[k] + of_speed[k] * innovation if turned else speeds[k]
 
 
-@compiled
+@inlined
 def _add(of_innovation: Floats, run: Floats, innovation: float) -> None:
     """Correct a run of a ring that has no turn in it: the compiler makes vectors of it."""
     for k in range(run.shape[0]):

@@ -9,7 +9,7 @@ from vsensor.estimator.load import Load, contact
 from vsensor.estimator.ring import mask_of
 from vsensor.estimator.sections import Floats, Integers
 from vsensor.estimator.state import BIT, Model, State, line_of
-from vsensor.jit import compiled
+from vsensor.jit import compiled, inlined
 
 
 @compiled
@@ -29,7 +29,7 @@ def rise(model: Model, load: Load, state: State, step: int) -> None:
     )
 
 
-@compiled
+@inlined
 def _turn_bits(model: Model, load: Load, state: State, step: int) -> None:
     now = step & mask_of(state.waves.shape[2])
     for which in range(state.waves.shape[0]):
@@ -48,7 +48,7 @@ def _turn_bits(model: Model, load: Load, state: State, step: int) -> None:
         )
 
 
-@compiled
+@inlined
 def _pass_junctions(
     impedances: Floats,
     trips: Integers,

@@ -6,7 +6,7 @@ from vsensor.estimator.learn import SLIDING, load_in_force, weight_of
 from vsensor.estimator.load import law
 from vsensor.estimator.responses import TOLD_BIT_TORQUE
 from vsensor.estimator.state import Model, State
-from vsensor.jit import compiled
+from vsensor.jit import compiled, inlined
 
 MEMORY_S = 5.0
 """Time over which the rock's restlessness is forgotten."""
@@ -53,6 +53,6 @@ def weigh_rock(model: Model, state: State, speed: float, torque: float) -> None:
         state.level[0] = nearest
 
 
-@compiled
+@inlined
 def _apart(state: State, level: float) -> float:
     return abs(math.log(level * level * state.noisier[0] / state.rock_square[0]))

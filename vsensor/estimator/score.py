@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vsensor.estimator.sections import Floats, Integers
-from vsensor.jit import compiled
+from vsensor.jit import compiled, inlined
 
 MEMORY_S = 60.0
 """Time over which misses are forgotten: some ten periods of stick-slip."""
@@ -116,7 +116,7 @@ def score(scores: Scores, kind: int, quantity: int, tick: int, truth: float, rat
     _solve(sums, law)
 
 
-@compiled
+@inlined
 def _solve(sums: Floats, law: Floats) -> None:
     """a and b ≥ 0 of least squares; a alone where the changes tell nothing."""
     determinant = sums[0] * sums[2] - sums[1] * sums[1]
@@ -142,7 +142,7 @@ def missed(scores: Scores, kind: int, quantity: int, tick: int) -> float:
     return float(law[0] * foretold[EXPECTED] + law[1] * foretold[CHANGE] * foretold[CHANGE])
 
 
-@compiled
+@inlined
 def _which(scores: Scores, kind: int, quantity: int, place: int) -> int:
     """The law of its misses."""
     return REST if quantity == SPEED and scores.foretold[kind, SPEED, VALUE, place] == 0 else quantity

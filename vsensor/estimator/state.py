@@ -17,7 +17,7 @@ from vsensor.estimator.score import Scores, fresh_scores
 from vsensor.estimator.sections import Floats, Integers, Line
 from vsensor.estimator.tare import RAMP_S
 from vsensor.estimator.tune import STRINGS, Tuning, fresh_tuning
-from vsensor.jit import compiled
+from vsensor.jit import inlined
 
 FLAGS = 16
 """Room for so many kinds of `quality.Reason`."""
@@ -175,7 +175,7 @@ class Strand(NamedTuple):
     told: Floats
 
 
-@compiled
+@inlined
 def strand(state: State, which: int) -> Strand:
     """One of the strings: the model's own is the first."""
     return Strand(
@@ -187,7 +187,7 @@ def strand(state: State, which: int) -> Strand:
     )
 
 
-@compiled
+@inlined
 def line_of(model: Model, which: int) -> Line:
     """What one of the strings is made of."""
     line = model.line

@@ -8,7 +8,7 @@ from vsensor.estimator.score import EXPECTED, NOW, VALUE
 from vsensor.estimator.state import Model, State
 from vsensor.estimator.tare import acceleration, weigh_tare
 from vsensor.estimator.tune import MEMORY_S, wall_torque
-from vsensor.jit import compiled
+from vsensor.jit import compiled, inlined
 
 TRUSTED = 6.25
 """A prediction that misses by less than so many variances, 2.5 deviations, misses by the rock alone."""
@@ -22,7 +22,7 @@ STEADY_S = 5.0
 """for so long: all of the wall rubs then, and the string turns as one."""
 
 
-@compiled
+@inlined
 def confirmed_step(model: Model, state: State) -> int:
     """The internal step whose answer no later innovation corrects."""
     return int((state.ticks[0] - model.lag) * model.steps + model.steps - 1)
@@ -37,14 +37,14 @@ def foretold_for(model: Model, state: State, kind: int) -> tuple[int, int]:
     return tick, tick * model.steps + model.steps - 1 + ahead
 
 
-@compiled
+@inlined
 def doubt_by_noise(model: Model, state: State, quantity: int) -> float:
     """Variance of a confirmed answer by noise and rock, as far as innovations are no larger than foreseen."""
     told = model.gains.variance[state.level[0], quantity]
     return float(told * state.noisier[0] * max(1.0, state.surprise[0]))
 
 
-@compiled
+@inlined
 def study_rock(model: Model, state: State) -> None:
     """Learn of rock and load law from what is confirmed of a bit on bottom."""
     tick, step = foretold_for(model, state, NOW)
@@ -56,7 +56,7 @@ def study_rock(model: Model, state: State) -> None:
         learn(state.learned, held, _unmoved(state, tick, speed), torque, model.rate, state.ticks[0])
 
 
-@compiled
+@inlined
 def _unmoved(state: State, tick: int, speed: float) -> float:
     """The speed that the bit would have had but for the rock's own whims, as foretold before they came.
 
@@ -70,7 +70,7 @@ def _unmoved(state: State, tick: int, speed: float) -> float:
     return speed
 
 
-@compiled
+@inlined
 def study_string(model: Model, state: State) -> None:
     """Add up how well the model foresaw this tick's speed, and its shadows with longer and shorter delays."""
     misfit = state.tuning.misfit
@@ -81,7 +81,7 @@ def study_string(model: Model, state: State) -> None:
         misfit[which] = keep * misfit[which] + state.innovation[which] ** 2 / expected
 
 
-@compiled
+@inlined
 def study_wall(model: Model, state: State) -> None:
     """Take a tare of a bit that has long been off bottom: so long as a confirmation takes."""
     lose_sight(state.learned)

@@ -11,7 +11,7 @@ from vsensor.estimator.line import pass_bit, pass_junction
 from vsensor.estimator.load import Load
 from vsensor.estimator.ring import mask_of, room_of
 from vsensor.estimator.sections import Floats, Integers, Line
-from vsensor.jit import compiled
+from vsensor.jit import compiled, inlined
 
 EXTERNAL, BALANCE = range(2)
 """What a march carries from step to step beside the junctions' speeds: the further torque on the bit, and
@@ -67,7 +67,7 @@ def sweep(
             matters -= _way(trips, top, lowest)
 
 
-@compiled
+@inlined
 def _way(trips: Integers, highest: int, lowest: int) -> int:
     """Steps to and fro through sections, from the highest to the lowest."""
     steps = 0
@@ -76,7 +76,7 @@ def _way(trips: Integers, highest: int, lowest: int) -> int:
     return steps
 
 
-@compiled
+@inlined
 def _block_length(trips: Integers, steps: int) -> int:
     """The most steps at once for which all but short sections have their waves already."""
     length = steps
@@ -86,7 +86,7 @@ def _block_length(trips: Integers, steps: int) -> int:
     return length
 
 
-@compiled
+@inlined
 def _highest(trips: Integers, junction: int, length: int) -> int:
     """The highest junction that only short sections part from this one; the last is the bit."""
     while junction > 0 and trips[junction] < length:
@@ -94,7 +94,7 @@ def _highest(trips: Integers, junction: int, length: int) -> int:
     return junction
 
 
-@compiled
+@inlined
 def _turn_bit(
     line: Line,
     load: Load,
@@ -118,7 +118,7 @@ def _turn_bit(
     carried[EXTERNAL], carried[BALANCE] = external, balance
 
 
-@compiled
+@inlined
 def _pass(
     line: Line, waves: Floats, block: Span, lowest: int, top: int, matters: int, speeds: Floats
 ) -> None:
@@ -135,7 +135,7 @@ def _pass(
         _pass_up(line, waves, step, block.heard, lowest, top, matters - k, g, speeds)
 
 
-@compiled
+@inlined
 def _pass_up(
     line: Line,
     waves: Floats,
@@ -157,7 +157,7 @@ def _pass_up(
         waves[top, step & mask_of(waves.shape[1])] = g
 
 
-@compiled
+@inlined
 def _slides(line: Line, waves: Floats, block: Span, i: int, run: int, before: float) -> bool:
     """Whether the junction below section i slides at each step of a run, and all f of that are heard."""
     trip, size = line.round_trip[i], room_of(waves.shape[1])
@@ -176,7 +176,7 @@ def _slides(line: Line, waves: Floats, block: Span, i: int, run: int, before: fl
     return rests == 0
 
 
-@compiled
+@inlined
 def _slide(line: Line, waves: Floats, first: int, i: int, run: int, onward: int) -> float:
     """Pass a junction that slides through a run, leave g of the first `onward` steps; returns its speed."""
     trip, size = line.round_trip[i], room_of(waves.shape[1])

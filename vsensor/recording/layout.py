@@ -9,7 +9,7 @@ Sources: MCAP's specification, «Records»; Protocol Buffers, «Encoding».
 import numpy as np
 from numpy.typing import NDArray
 
-from vsensor.jit import compiled
+from vsensor.jit import compiled, inlined
 
 Bytes = NDArray[np.uint8]
 Places = NDArray[np.int64]
@@ -92,7 +92,7 @@ def gather_doubles(data: Bytes, firsts: Words, counts: Words, out: Words) -> Non
             out[k, j] = _word(data, _signed(firsts[k]) + 8 * j, 8)
 
 
-@compiled
+@inlined
 def _fields_of(
     data: Bytes,
     at: int,
@@ -131,7 +131,7 @@ def _fields_of(
     return True
 
 
-@compiled
+@inlined
 def _eights(
     data: Bytes,
     at: int,
@@ -164,7 +164,7 @@ def _eights(
     return _signed(p)
 
 
-@compiled
+@inlined
 def _value(data: Bytes, at: int, end: int, wire: int) -> tuple[np.uint64, int]:
     """A field's value and its bytes, 0 of them where it is none; of what has a length, the length's bytes."""
     if wire == VARINT:
@@ -179,7 +179,7 @@ def _value(data: Bytes, at: int, end: int, wire: int) -> tuple[np.uint64, int]:
     return np.uint64(0), 0
 
 
-@compiled
+@inlined
 def _word(data: Bytes, at: int, size: int) -> np.uint64:
     """An unsigned number of 2, 4 or 8 bytes. Written out, it is one load of the machine."""
     p = np.uint64(at)
@@ -195,13 +195,13 @@ def _word(data: Bytes, at: int, size: int) -> np.uint64:
     return word
 
 
-@compiled
+@inlined
 def _signed(word: np.uint64) -> int:
     """A word as a place or a count: Numba makes a double of a signed number and an unsigned one."""
     return int(np.int64(word))
 
 
-@compiled
+@inlined
 def _varint(data: Bytes, at: int, end: int) -> tuple[np.uint64, int]:
     """A number of at most nine bytes, and how many they are; 0 of them where there is none such."""
     if at < end and data[at] < 0x80:
