@@ -20,6 +20,7 @@ from vsensor.bus import Outbox, open_session
 from vsensor.config import Bus
 from vsensor.messages import SENSOR_TICK
 from vsensor.recording.reader import Session
+from vsensor.view.viewer import ending_with
 
 pytestmark = pytest.mark.process
 
@@ -168,6 +169,14 @@ def test_a_view_that_is_killed_takes_its_viewer_with_it(endpoint: str) -> None:
         viewer = running.viewer()
         os.kill(running.process.pid, signal.SIGKILL)
         until(lambda: gone(viewer))
+
+
+def test_a_viewer_whose_view_was_killed_before_it_could_be_tied_to_it_does_not_start() -> None:
+    begun = [
+        subprocess.run([*ending_with(parent), "echo", "begun"], capture_output=True, text=True, check=False)
+        for parent in (os.getpid(), 1)
+    ]
+    assert [one.stdout for one in begun] == ["begun\n", ""]
 
 
 def test_several_may_look_on_and_come_and_go(endpoint: str) -> None:

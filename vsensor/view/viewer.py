@@ -27,7 +27,7 @@ class Viewer:
         else:
             what = [place.source, "--serve-web", "--web-viewer-port", str(place.page_port)]
         self._process = subprocess.Popen(
-            [*_ending_with_us(), program(), "--bind", place.bind, *what],
+            [*ending_with(os.getpid()), program(), "--bind", place.bind, *what],
             env=os.environ | ENVIRONMENT,
             stdin=subprocess.DEVNULL,
             start_new_session=True,
@@ -54,7 +54,11 @@ def program() -> str:
     return str(resources.files("rerun_cli") / "rerun")
 
 
-def _ending_with_us() -> list[str]:
-    """What makes Linux end the viewer even where we are killed and cannot (prctl(2), PR_SET_PDEATHSIG)."""
+def ending_with(parent: int) -> list[str]:
+    """What to put before a command so that Linux ends it where this parent of it is killed and cannot.
+
+    By prctl(2), PR_SET_PDEATHSIG, which does nothing where the parent was killed before it: so we look again.
+    """
     setpriv = shutil.which("setpriv")
-    return [setpriv, "--pdeathsig", "TERM"] if setpriv else []
+    look = ["sh", "-c", 'test "$PPID" = "$0" && exec "$@"', str(parent)]
+    return [setpriv, "--pdeathsig", "KILL", *look] if setpriv else []
