@@ -1,15 +1,16 @@
 """The session in recordings/ must come out bit for bit: any change of a kernel's numbers is told here."""
 
-import math
+from collections.abc import Iterator
 from pathlib import Path
 
-import numba
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from vsensor.config import loads
 from vsensor.estimator import kernel
+from vsensor.estimator.sections import Floats
+from vsensor.estimator.state import Model, State
 from vsensor.messages import SENSOR_TICK, Estimate, Tick
 from vsensor.recording.reader import Session
 from vsensor.recording.verify import verify
@@ -42,19 +43,22 @@ def test_a_changed_kernel_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     session = Session(GOLDEN)
     rig = loads(session.configuration or "", str(GOLDEN))
 
-    def nudged(out: NDArray[np.float64], at: int, value: float, variance: float) -> None:
-        out[at] = value * (1.0 + 2.3e-16)
-        out[at + 1] = math.sqrt(variance)
+    as_it_stands = kernel.turns
 
-    monkeypatch.setattr(kernel, "_tell", numba.njit(nudged))
-    for caller in (
-        "_answer_top",
-        "_lay_out",
-        "_take",
-        "_answer",
-        "turns",
-    ):  # compiled anew: in a kernel its callees stand fast
-        monkeypatch.setattr(kernel, caller, numba.njit(getattr(kernel, caller).py_func))
+    def nudged(
+        model: Model,
+        state: State,
+        torque: Floats,
+        speed: Floats,
+        reasons: NDArray[np.uint32],
+        out: Floats,
+        out_reasons: NDArray[np.uint32],
+    ) -> Iterator[int]:
+        for count in as_it_stands(model, state, torque, speed, reasons, out, out_reasons):
+            out *= 1.0 + 2.3e-16
+            yield count
+
+    monkeypatch.setattr(kernel, "turns", nudged)
     verdict = verify(session, Engine(rig))
     assert not verdict.exact
     assert verdict.mismatches > verdict.compared / 2
