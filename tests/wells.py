@@ -214,6 +214,12 @@ def _stuck(record: Record) -> Record:
     return record._replace(motor_torque=record.motor_torque[last])
 
 
+def _dropped(record: Record) -> Record:
+    """The speed reading falls to nothing, as of a link that drops out."""
+    gone, _ = _gaps(record)
+    return record._replace(motor_speed=np.where(gone, 0.0, record.motor_speed))
+
+
 CASES: Mapping[str, Case] = {
     **{
         f"{length}m": Case(f"{length} m", usual(length))
@@ -231,6 +237,7 @@ CASES: Mapping[str, Case] = {
     "steps": Case("read in steps of 100 N·m and 0.1 rpm", usual(2500), _in_steps),
     "missing": Case("torque or speed missing for 0.5 s every 7 s", usual(2500), _missing),
     "stuck": Case("torque reading stuck for 0.5 s every 7 s", usual(2500), _stuck),
+    "dropped": Case("speed reading 0 for 0.5 s every 7 s", usual(2500), _dropped),
     "20hz": Case("measured at 20 Hz", usual(2500)._replace(rate=20.0)),
     "lab": Case("a lab rig: 5 m of wire", _lab()),
 }

@@ -6,6 +6,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from vsensor.intake.leaps import Leaps
+from vsensor.intake.reach import Reach
 from vsensor.messages import ChannelStatus, Sample
 from vsensor.quality import Quality, Reason
 from vsensor.saved import Saved
@@ -39,7 +40,7 @@ class Point(NamedTuple):
 class Channel:
     """One channel: what is refused and why, and the points that the grid still needs."""
 
-    def __init__(self, name: str, limit: float, noise: float, stale: Reason) -> None:
+    def __init__(self, name: str, limit: float, noise: float, stale: Reason, reach: Reach) -> None:
         self.counts = ChannelStatus(
             channel=name,
             received=0,
@@ -58,6 +59,7 @@ class Channel:
         self._stale = int(stale)
         self.limit = limit
         self.leaps = Leaps(noise, limit)
+        self.reach = reach
         self.next_sequence: int | None = None
         self.pace_ns: int | None = None
         """How far apart its two newest samples are."""
@@ -75,6 +77,7 @@ class Channel:
             else:
                 self.counts.jumped += 1
         self.waiting = None
+        self.reach.apart = None
         self.points: list[Point] = []
 
     @property
@@ -134,8 +137,11 @@ class Channel:
 
         One that comes more than a gap before it is due waits for the next, which bears it out by being later
         still, and not by lying before it: else a single stray would stand for all up to its time. One whose
-        value leaps waits for the next as well: see `settle`.
+        value leaps waits for the next as well: see `settle`; one that it cannot have become is refused.
         """
+        if self._is_out_of_reach(sample.time_ns, sample.value):
+            self.counts.strays += 1
+            return
         reasons = _SOURCE_UNCERTAIN if sample.quality == _UNCERTAIN else 0
         point = Point(sample.time_ns, sample.value, reasons)
         waiting = self.waiting
@@ -155,6 +161,12 @@ class Channel:
             self._take_up(point, consumed_ns, max_gap_ns)
             self.settle(waiting.value, consumed_ns)
             self._take_up(waiting, consumed_ns, max_gap_ns)
+
+    def _is_out_of_reach(self, time_ns: int, value: float) -> bool:
+        newest = self.points[-1] if self.points else None
+        if newest is None or time_ns <= newest.time_ns:
+            return False
+        return self.reach.refuses(newest.time_ns, newest.value, time_ns, value)
 
     def settle(self, value: float, consumed_ns: int | None) -> None:
         """Accept the sample that waits, unless its value leaps and `value`, the next one's, is no nearer."""
@@ -226,6 +238,7 @@ class Channel:
             "next_sequence": self.next_sequence,
             "missing": sorted(self._missing),
             "leaps": self.leaps.save(),
+            "apart": self.reach.save(),
         }
 
     def restore(self, saved: Saved) -> None:
@@ -245,6 +258,8 @@ class Channel:
         self._missing = {number.whole(0, (1 << 64) - 1) for number in missing}
         self.leaps.forget()
         saved.get("leaps", None).or_none(self.leaps.restore)
+        self.reach.apart = None
+        saved.get("apart", None).or_none(lambda apart: self.reach.restore(apart, FARTHEST_NS))
 
     def _point(self, saved: Saved) -> Point:
         time_ns, value, flags = saved.row(3)

@@ -5,6 +5,7 @@ it. No clock of ours takes part, so the same samples in the same order give the 
 offline or replayed.
 """
 
+import math
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -18,6 +19,7 @@ from vsensor.errors import InputError
 from vsensor.grid import NS, Grid
 from vsensor.intake.channel import FARTHEST_NS, Channel, a_time
 from vsensor.intake.frozen import Frozen
+from vsensor.intake.reach import Reach, rate_of
 from vsensor.intake.sound import Laid, refuse_unsound
 from vsensor.messages import DEPTH_TOPICS, SURFACE_SPEED, SURFACE_TORQUE, Event, Sample
 from vsensor.quality import Reason
@@ -56,11 +58,21 @@ class Intake:
         self.max_gap_ns = round(measured.max_gap * NS)
         self._restart_gap_ns = round(measured.restart_gap * NS)
         turns = rig.top_drive.gear_ratio
+        highest, fastest = measured.torque_limit / turns, measured.speed_limit * turns
+        changes = turns * rate_of(measured.torque_limit, rig.top_drive.inertia)
         self._torque = Channel(
-            SURFACE_TORQUE, measured.torque_limit / turns, measured.torque_noise, Reason.STALE_TORQUE
+            SURFACE_TORQUE,
+            highest,
+            measured.torque_noise,
+            Reason.STALE_TORQUE,
+            Reach(math.inf, highest, self._restart_gap_ns),
         )
         self._speed = Channel(
-            SURFACE_SPEED, measured.speed_limit * turns, measured.speed_noise, Reason.STALE_SPEED
+            SURFACE_SPEED,
+            fastest,
+            measured.speed_noise,
+            Reason.STALE_SPEED,
+            Reach(changes, fastest, self._restart_gap_ns),
         )
         self.channels = {SURFACE_TORQUE: self._torque, SURFACE_SPEED: self._speed}
         self.depths = Depths(rig)

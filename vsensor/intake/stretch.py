@@ -65,6 +65,8 @@ class Track(NamedTuple):
         told = bool(np.all((arrivals.quality == 0) | (arrivals.quality == Quality.GOOD)))
         if not (ordered and believed and told and abs(int(times[-1])) <= FARTHEST_NS):
             return None
+        if not channel.reach.surely(times[len(held) - 1 :], values[len(held) - 1 :]):
+            return None
         looked = channel.leaps.look(values[len(held) - 1 :])
         if looked is None:
             return None
