@@ -1,5 +1,7 @@
 """Samples by columns: the same ticks, and the same books, as of the same samples one by one."""
 
+import json
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -8,6 +10,7 @@ from hypothesis import strategies as st
 from tests.strings import PIPE, rig
 from tests.test_intake import BEGUN, MS, SMALL, S, T
 from tests.test_intake_books import Fed, feeds
+from vsensor.config import Rig
 from vsensor.intake import Input, Intake, stretch
 from vsensor.intake.arrivals import Arrivals, by_columns
 from vsensor.intake.stretch import laid
@@ -35,6 +38,19 @@ def at_once(intake: Intake, fed: list[tuple[str, Sample]], cut: int) -> list[Inp
         for inputs in laid(intake, columns(fed[start : start + cut])):
             ticks += map(Input._make, zip(*(column.tolist() for column in inputs), strict=True))
     return ticks
+
+
+def as_one_by_one(of: Rig, fed: list[tuple[str, Sample]], cut: int, split: int) -> None:
+    """Hold samples by columns, and such that another goes on with after `split`, against them one by one."""
+    single, by_columns, first, second = (Intake(of) for _ in range(4))
+    expected = one_by_one(single, fed)
+    assert at_once(by_columns, fed, cut) == expected
+    begun = one_by_one(first, fed[:split])
+    second.restore(json.loads(json.dumps(first.save())))
+    assert begun + at_once(second, fed[split:], cut) == expected
+    assert by_columns.save() == second.save() == single.save()
+    for topic, channel in single.channels.items():
+        assert by_columns.channels[topic].counts == channel.counts
 
 
 def plain(count: int, start: int = 0) -> list[tuple[str, Sample]]:

@@ -2,14 +2,12 @@
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
-import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from vsensor.config import loads
 from vsensor.estimator import kernel
-from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import Model, State
 from vsensor.messages import SENSOR_TICK, Estimate, Tick
 from vsensor.recording.reader import Session
@@ -45,17 +43,9 @@ def test_a_changed_kernel_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
 
     as_it_stands = kernel.turns
 
-    def nudged(
-        model: Model,
-        state: State,
-        torque: Floats,
-        speed: Floats,
-        reasons: NDArray[np.uint32],
-        out: Floats,
-        out_reasons: NDArray[np.uint32],
-    ) -> Iterator[int]:
-        for count in as_it_stands(model, state, torque, speed, reasons, out, out_reasons):
-            out *= 1.0 + 2.3e-16
+    def nudged(model: Model, state: State, *arrays: Any) -> Iterator[int]:
+        for count in as_it_stands(model, state, *arrays):
+            arrays[-2][:] *= 1.0 + 2.3e-16
             yield count
 
     monkeypatch.setattr(kernel, "turns", nudged)

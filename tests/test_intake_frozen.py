@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from tests.rigs import RATE, SHORT, samples, simulated
 from tests.strings import PIPE, rig
-from tests.test_arrivals import at_once, one_by_one
+from tests.test_arrivals import as_one_by_one
 from tests.test_intake import BEGUN, MS, SMALL, S, T, one, steps, ticks
 from vsensor.intake import Intake, stretch
 from vsensor.intake.frozen import LASTING_S, MOVED
@@ -165,14 +165,7 @@ def test_by_columns_and_gone_on_with_it_is_the_same(
             patch.setattr(f"vsensor.intake.frozen.{name}", value)
         for name, whole in (("UNUSUAL", 2), ("SELDOM", 3), ("MOST_RUNS", 9)):
             patch.setattr(f"vsensor.intake.frozen.{name}", whole)
-        single, columns, first, second = (Intake(SMALL) for _ in range(4))
-        fed = feed(through(told))
-        expected = one_by_one(single, fed)
-        assert at_once(columns, fed, cut) == expected
-        assert columns.save() == single.save()
-        begun = one_by_one(first, fed[:split])
-        second.restore(json.loads(json.dumps(first.save())))
-        assert begun + at_once(second, fed[split:], cut) == expected
+        as_one_by_one(SMALL, feed(through(told)), cut, split)
 
 
 def test_what_comes_of_a_frozen_torque_is_not_called_good() -> None:

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.strings import DRIVE, PIPE, rig
-from tests.test_arrivals import at_once, one_by_one
+from tests.test_arrivals import as_one_by_one
 from tests.test_intake import BEGUN, MS, S, T, ticks
 from tests.test_intake_ahead import refused
 from vsensor.intake import Input, Intake, stretch
@@ -97,13 +97,7 @@ def test_by_columns_and_gone_on_with_it_is_the_same(
     fed = feed([12.0] + [level + k % 3 / 100 for level, count in levels for k in range(count)])
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(stretch, "FEWEST", 4)
-        single, columns, first, second = (Intake(HEAVY) for _ in range(4))
-        expected = one_by_one(single, fed)
-        assert at_once(columns, fed, cut) == expected
-        assert columns.save() == single.save()
-        begun = one_by_one(first, fed[:split])
-        second.restore(json.loads(json.dumps(first.save())))
-        assert begun + at_once(second, fed[split:], cut) == expected
+        as_one_by_one(HEAVY, fed, cut, split)
 
 
 @pytest.mark.parametrize("damaged", [[0, 1.0], [0, math.inf, 0], [5, 1.0, 6], [1 << 63, 1.0, 0]])

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tests.rigs import BEGUN_NS, NS, RATE, SHORT, samples
 from tests.strings import PIPE, rig
-from tests.test_arrivals import at_once, one_by_one
+from tests.test_arrivals import as_one_by_one, at_once, one_by_one
 from tests.test_intake import SMALL, S, T, both, reading, steps, ticks
 from tests.test_intake_ahead import refused
 from tests.test_intake_leaps import FAR, LEVEL, NOISE, Readings, noisy
@@ -136,16 +136,7 @@ def _signal(
 def test_by_columns_and_gone_on_with_it_is_the_same(fed: Readings, cut: int, fewest: int, split: int) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(stretch, "FEWEST", fewest)
-        single, by_columns, first, second = (Intake(SMALL) for _ in range(4))
-        expected = one_by_one(single, fed)
-        assert at_once(by_columns, fed, cut) == expected
-        assert by_columns.save() == single.save()
-        begun = one_by_one(first, fed[:split])
-        second.restore(json.loads(json.dumps(first.save())))
-        assert begun + at_once(second, fed[split:], cut) == expected
-        assert second.save() == single.save()
-        for topic, channel in single.channels.items():
-            assert by_columns.channels[topic].counts == channel.counts
+        as_one_by_one(SMALL, fed, cut, split)
 
 
 changes = st.lists(st.sampled_from([0.0, 0.1, 0.2, 1.0, 7.0, 50.0]), max_size=300)
