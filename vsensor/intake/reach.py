@@ -61,8 +61,11 @@ class Reach:
         return abs(value - before) <= self._step + self._rate * (time_ns - before_ns) / NS
 
     def surely(self, times_ns: NDArray[np.int64], values: NDArray[np.float64]) -> bool:
-        """Whether none of n samples, shape (n,), would be refused, nor where one in between is left out."""
-        within = self._step / 2 + self._rate * np.diff(times_ns) / NS
+        """Whether none of n samples, shape (n,), would be refused.
+
+        Nor where a stray is left out: the one behind it lies nearer to the one before than to the stray.
+        """
+        within = self._step + self._rate * np.diff(times_ns) / NS
         return self.apart is None and bool(np.all(np.abs(np.diff(values)) <= within))
 
     def save(self) -> list[float] | None:
