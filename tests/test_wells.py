@@ -14,7 +14,15 @@ from vsensor.jit import COMPILED
 
 pytestmark = pytest.mark.skipif(not COMPILED, reason="minutes of a rig: too slow without the compiler")
 
-SHARES = {"400m": 0.02, "800m": 0.0085, "2500m": 0.0075, "tapered": 0.01, "stuck": 0.0125, "dropped": 0.0075}
+SHARES = {
+    "400m": 0.02,
+    "800m": 0.0085,
+    "2500m": 0.0075,
+    "tapered": 0.01,
+    "stuck": 0.0125,
+    "dropped": 0.0075,
+    "repeated": 0.0075,
+}
 """Of the true bit speed's range, what the rms error of the confirmed one may be."""
 TORQUE = 400.0
 """What that of the torque may be, N·m."""
@@ -69,7 +77,9 @@ def record_of(torque: Floats) -> Record:
 
 def test_readings_are_spoilt_as_told_and_the_truth_is_not() -> None:
     plain = record_of(np.random.default_rng(1).normal(5e3, 1e3, 3000))
-    spoilt = {name: CASES[name].spoilt(plain) for name in ("steps", "missing", "stuck", "dropped")}
+    spoilt = {
+        name: CASES[name].spoilt(plain) for name in ("steps", "missing", "stuck", "dropped", "repeated")
+    }
     for one in spoilt.values():
         np.testing.assert_array_equal(one.bit_torque, plain.bit_torque)
     assert not np.any(spoilt["steps"].motor_torque % 100)
@@ -78,6 +88,7 @@ def test_readings_are_spoilt_as_told_and_the_truth_is_not() -> None:
     still = np.diff(spoilt["stuck"].motor_torque) == 0
     assert still.sum() == 48 + 4 * 50
     assert (spoilt["dropped"].motor_speed == 0).sum() == 49 + 4 * 50
+    assert (np.diff(spoilt["repeated"].motor_torque) != 0).sum() == 299
 
 
 def test_missing_readings_reach_the_sensor_as_such() -> None:

@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 
 from vsensor.intake.leaps import Leaps
 from vsensor.intake.reach import Reach
+from vsensor.intake.repeats import Heard, Repeats
+from vsensor.intake.sequence import Sequence
 from vsensor.messages import ChannelStatus, Sample
 from vsensor.quality import Quality, Reason
 from vsensor.saved import Saved
@@ -16,11 +18,6 @@ FARTHEST_NS = 1 << 62
 _BAD, _UNCERTAIN, _SOURCE_UNCERTAIN = int(Quality.BAD), int(Quality.UNCERTAIN), int(Reason.SOURCE_UNCERTAIN)
 _GAP_BRIDGED = int(Reason.GAP_BRIDGED)
 """As plain numbers: sets of flags would take more time here than all else that is done to a sample."""
-
-LONGEST_HOLE = 1_000_000
-"""A greater leap in the sequence is another publisher's count, and no loss."""
-REMEMBERED = 1000
-"""How far back a missing sample's number is known, so that it is no loss if it only comes late."""
 
 
 def a_time(saved: Saved) -> int:
@@ -40,7 +37,9 @@ class Point(NamedTuple):
 class Channel:
     """One channel: what is refused and why, and the points that the grid still needs."""
 
-    def __init__(self, name: str, limit: float, noise: float, stale: Reason, reach: Reach) -> None:
+    def __init__(
+        self, name: str, limit: float, noise: float, stale: Reason, reach: Reach, max_gap_ns: int
+    ) -> None:
         self.counts = ChannelStatus(
             channel=name,
             received=0,
@@ -60,13 +59,12 @@ class Channel:
         self.limit = limit
         self.leaps = Leaps(noise, limit)
         self.reach = reach
-        self.next_sequence: int | None = None
+        self.repeats = Repeats(max_gap_ns)
+        self.sequence = Sequence()
         self.pace_ns: int | None = None
         """How far apart its two newest samples are."""
         self.waiting: Point | None = None
         """A sample far ahead of the others, or whose value leaps, which the next one must bear out."""
-        self._missing: set[int] = set()
-        self._unread = 0
         self.forget()
 
     def forget(self) -> None:
@@ -78,6 +76,7 @@ class Channel:
                 self.counts.jumped += 1
         self.waiting = None
         self.reach.apart = None
+        self.repeats.forget()
         self.points: list[Point] = []
 
     @property
@@ -97,37 +96,25 @@ class Channel:
             return True
         return False
 
+    def is_new(self, sample: Sample) -> bool:
+        """Whether a sample is a new reading; counts it otherwise: what repeats the last one is in order."""
+        if not self.repeats.is_one(sample.time_ns, sample.value):
+            return True
+        self.counts.accepted += 1
+        return False
+
     def follow(self, sample: Sample) -> None:
         """Follow the sequence: a hole is a loss, until the missing one comes late after all."""
-        if not sample.HasField("sequence"):
-            return
-        given = sample.sequence
-        ahead = 0 if self.next_sequence is None else given - self.next_sequence
-        if given in self._missing:
-            self._missing.remove(given)
-            # Missed before a state was taken up, it is in no count.
-            self.counts.lost = max(self.counts.lost - 1, 0)
-        elif 0 <= ahead <= LONGEST_HOLE:
-            self.counts.lost += max(ahead - self._unread, 0)
-            if ahead and not self._unread:  # which of them were unread is not known
-                self._remember(given, ahead)
-            self.next_sequence = given + 1
-        elif ahead > 0 or (ahead < -1 and sample.time_ns == self._told_last_ns()):
-            # A low number with the newest time: the publisher has begun to count anew.
-            self._missing.clear()
-            self.next_sequence = given + 1
-        self._unread = 0
+        if sample.HasField("sequence"):
+            more = self.sequence.follow(sample.sequence, sample.time_ns == self._told_last_ns())
+            # What was missed before a state was taken up is in no count.
+            self.counts.lost = max(self.counts.lost + more, 0)
 
     def refuse_unread(self) -> None:
         """Count a sample that came too fast; the hole that it leaves in the sequence is no loss."""
         self.counts.received += 1
         self.counts.over_rate += 1
-        self._unread += 1
-
-    def _remember(self, given: int, missing: int) -> None:
-        known = given - REMEMBERED
-        self._missing = {number for number in self._missing if number >= known}
-        self._missing.update(range(max(given - missing, known), given))
+        self.sequence.pass_unread()
 
     def _told_last_ns(self) -> int | None:
         return self.newest_ns if self.waiting is None else self.waiting.time_ns
@@ -235,8 +222,8 @@ class Channel:
             "points": [list(point) for point in self.points],
             "pace_ns": self.pace_ns,
             "waiting": None if self.waiting is None else list(self.waiting),
-            "next_sequence": self.next_sequence,
-            "missing": sorted(self._missing),
+            **self.sequence.save(),
+            "repeats": self.repeats.save(),
             "leaps": self.leaps.save(),
             "apart": self.reach.save(),
         }
@@ -251,11 +238,9 @@ class Channel:
             raise saved["points"].wrong("a list in the order of time")
         self.pace_ns = saved.get("pace_ns", None).or_none(lambda pace: pace.whole(1, 2 * FARTHEST_NS))
         self.waiting = saved.get("waiting", None).or_none(self._point)
-        self.next_sequence = saved["next_sequence"].or_none(lambda given: given.whole(0, 1 << 64))
-        missing = saved["missing"].rows()
-        if len(missing) > REMEMBERED:
-            raise saved["missing"].wrong(f"a list of {REMEMBERED} at the most")
-        self._missing = {number.whole(0, (1 << 64) - 1) for number in missing}
+        self.sequence.restore(saved)
+        self.repeats.heard = Heard()
+        saved.get("repeats", None).or_none(lambda heard: self.repeats.restore(heard, self.limit, FARTHEST_NS))
         self.leaps.forget()
         saved.get("leaps", None).or_none(self.leaps.restore)
         self.reach.apart = None

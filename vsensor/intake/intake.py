@@ -66,6 +66,7 @@ class Intake:
             measured.torque_noise,
             Reason.STALE_TORQUE,
             Reach(math.inf, highest, self._restart_gap_ns),
+            self.max_gap_ns,
         )
         self._speed = Channel(
             SURFACE_SPEED,
@@ -73,6 +74,7 @@ class Intake:
             measured.speed_noise,
             Reason.STALE_SPEED,
             Reach(changes, fastest, self._restart_gap_ns),
+            self.max_gap_ns,
         )
         self.channels = {SURFACE_TORQUE: self._torque, SURFACE_SPEED: self._speed}
         self.depths = Depths(rig)
@@ -141,7 +143,7 @@ class Intake:
         if sample is None:
             channel.counts.unreadable += 1
             return []
-        if channel.believes(sample):
+        if channel.believes(sample) and channel.is_new(sample):
             waiting = channel.waiting
             if waiting is not None and 0 < sample.time_ns - waiting.time_ns <= self._restart_gap_ns:
                 channel.settle(sample.value, self._consumed_ns)
@@ -159,6 +161,11 @@ class Intake:
     def depths_silent(self) -> bool:
         """Whether, at the newest tick, a channel that has told a depth tells none any longer."""
         return self._consumed_ns is not None and self.depths.silent(self._consumed_ns)
+
+    @property
+    def beats(self) -> tuple[int, int]:
+        """How often each reading of torque and of speed is told; 0 where as often as it is read."""
+        return self._torque.repeats.heard.beat, self._speed.repeats.heard.beat
 
     @property
     def is_laid(self) -> bool:

@@ -9,11 +9,12 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vsensor.intake.arrivals import Arrivals, Floats, Inputs, Integers, by_columns
 from vsensor.intake.channel import FARTHEST_NS, Channel, Point
 from vsensor.intake.intake import Intake
-from vsensor.intake.leaps import Looked
+from vsensor.intake.repeats import Heard
 from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE
 from vsensor.quality import Quality, Reason
 
@@ -44,8 +45,14 @@ class Track(NamedTuple):
     channel: Channel
     times: Integers
     values: Floats
-    looked: Looked
-    """Which of the samples that come are strays, which are none of the points."""
+    kept: NDArray[np.bool_]
+    """Which of the n samples that come are points, shape (n,):"""
+    strays: int
+    """these are none,"""
+    heard: Heard
+    """nor what repeats a reading."""
+    changes: Floats
+    """From one reading to the next."""
     sequence: int | None
     """The last number, None where they have none."""
 
@@ -65,20 +72,27 @@ class Track(NamedTuple):
         told = bool(np.all((arrivals.quality == 0) | (arrivals.quality == Quality.GOOD)))
         if not (ordered and believed and told and abs(int(times[-1])) <= FARTHEST_NS):
             return None
-        if not channel.reach.surely(times[len(held) - 1 :], values[len(held) - 1 :]):
+        if int(arrivals.time_ns[0]) == channel.repeats.heard.time_ns:
             return None
-        looked = channel.leaps.look(values[len(held) - 1 :])
+        kept, heard = channel.repeats.look(arrivals.time_ns, arrivals.value)
+        last_and_kept = np.append(np.zeros(len(held), np.bool_), kept)
+        last_and_kept[len(held) - 1] = True
+        if not kept.any() or not channel.reach.surely(times[last_and_kept], values[last_and_kept]):
+            return None
+        looked = channel.leaps.look(values[last_and_kept])
         if looked is None:
             return None
-        kept = np.append(np.ones(len(held), np.bool_), ~looked.strays)
-        times, values = times[kept], values[kept]
+        kept[kept] = ~looked.strays
+        points = np.append(np.ones(len(held), np.bool_), kept)
+        times, values = times[points], values[points]
         if np.any(np.diff(times) > limits[1]):
             return None
         numbered = bool(arrivals.numbered.any())
         if numbered and not _in_sequence(channel, arrivals):
             return None
         last = int(arrivals.sequence[-1]) if numbered else None
-        return Track(channel, times, values, looked, last)
+        strays = int(looked.strays.sum())
+        return Track(channel, times, values, kept, strays, heard, looked.changes, last)
 
     def at(self, time_ns: Integers) -> Floats:
         """The values at times between its first and last, by the intake's own arithmetic."""
@@ -95,18 +109,18 @@ class Track(NamedTuple):
         kept = zip(self.times[first:].tolist(), self.values[first:].tolist(), strict=True)
         self.channel.pace_ns = int(self.times[-1] - self.times[-2])
         self.channel.points = [Point(time_ns, value, 0) for time_ns, value in kept]
-        self.channel.leaps.note_all(self.looked.changes)
-        new, strays = len(self.looked.strays), int(self.looked.strays.sum())
-        self.channel.counts.received += new
-        self.channel.counts.strays += strays
-        self.channel.counts.accepted += new - strays
+        self.channel.repeats.heard = self.heard
+        self.channel.leaps.note_all(self.changes)
+        self.channel.counts.received += len(self.kept)
+        self.channel.counts.strays += self.strays
+        self.channel.counts.accepted += len(self.kept) - self.strays
         if self.sequence is not None:
-            self.channel.next_sequence = self.sequence + 1
+            self.channel.sequence.due = self.sequence + 1
 
 
 def _in_sequence(channel: Channel, arrivals: Arrivals) -> bool:
     first = int(arrivals.sequence[0])
-    expected = channel.next_sequence
+    expected = channel.sequence.due
     follows = bool(np.all(np.diff(arrivals.sequence) == 1))
     return follows and bool(arrivals.numbered.all()) and expected in (None, first)
 
@@ -138,7 +152,7 @@ class Stretch(NamedTuple):
         newest = []
         for track, own in ((self.torque, ~arrivals.is_speed), (self.speed, arrivals.is_speed)):
             believed = own.copy()
-            believed[own] = ~track.looked.strays
+            believed[own] = track.kept
             newest.append(track.times[np.cumsum(believed) - believed.sum() - 1])
         return bool(np.all(np.abs(newest[0] - newest[1]) <= most_ns))
 

@@ -281,9 +281,9 @@ class Daemon:
 
     def _each_second_seen(self) -> Iterator[Event]:
         yield from self._watch.second(self.health.severity, self.health.input_lost)
-        known = self._engine.estimator
+        intake, known = self._engine.intake, self._engine.estimator
         yield from self._watch.learned(known.tuning.tolist(), known.noisier, known.coarse_steps.tolist())
-        yield from self._watch.depths(self._engine.intake.depths, self._engine.intake.depths_silent)
+        yield from self._watch.came(intake.depths, intake.depths_silent, intake.beats)
 
     def _state(self) -> str:
         if not self._seat.taken:

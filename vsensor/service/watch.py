@@ -83,6 +83,11 @@ class Watch:
             "torque and speed are noisier than told: ",
             "torque and speed are no noisier than told any longer",
         )
+        self._repeated = Condition(
+            "repeated",
+            "a channel repeats its readings, and what repeats one is no new reading: ",
+            "no channel repeats its readings any longer",
+        )
         self._no_profile = Condition(
             "profile_shed",
             "the loop is short of time: no profile is told",
@@ -217,11 +222,20 @@ class Watch:
         """An event of the present, in somebody's words."""
         return Event(time_ns=self._last_ns, name=name, begins=begins, text=text)
 
-    def depths(self, depths: Depths, silent: bool) -> list[Event]:
-        """Look at the depths: are they told, and do they fit the string?"""
-        details = f"the string is {depths.length:.1f} m long"
+    def came(self, depths: Depths, depths_silent: bool, beats: Sequence[int]) -> list[Event]:
+        """Look at what comes in: are the depths told, and do they fit the string? Is each sample a reading?
+
+        `beats`: how often each reading of torque and of speed is told, or 0.
+        """
+        length = f"the string is {depths.length:.1f} m long"
         seen = (
-            self._depths.see(depths.at_odds, self._last_ns, details),
-            self._depths_silent.see(silent, self._last_ns),
+            self._depths.see(depths.at_odds, self._last_ns, length),
+            self._depths_silent.see(depths_silent, self._last_ns),
+            self._look_at_repeats(beats),
         )
         return [event for event in seen if event is not None]
+
+    def _look_at_repeats(self, beats: Sequence[int]) -> Event | None:
+        told = zip(("torque", "speed"), beats, strict=True)
+        details = ", ".join(f"{channel} {beat} times" for channel, beat in told if beat)
+        return self._repeated.see(bool(details), self._last_ns, details)
