@@ -46,5 +46,5 @@ clean:
 $(STAMP): pyproject.toml constraints.txt
 	@echo "Setting up .venv: a minute or two, once."
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
+	$(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt --editable '.[dev]'
 	touch $@

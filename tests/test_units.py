@@ -3,11 +3,12 @@
 import math
 import re
 
+import pint
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsensor.units import factor, to_si
+from vsensor.units import factor, registry, to_si
 
 INCH = 0.0254
 FOOT_POUND = 0.3048 * 4.4482216152605
@@ -34,6 +35,7 @@ FOOT_POUND = 0.3048 * 4.4482216152605
         ("10 kN m", "N*m", 1e4),
         ("10 kNm", "N*m", 1e4),
         ("80Nm", "N*m", 80.0),
+        ("8 daN*m", "N*m", 80.0),
         ("7850 kg/m³", "kg/m^3", 7850.0),
         ("7850 kg·m⁻³", "kg/m^3", 7850.0),
         ("2900 kg*m**2", "kg*m^2", 2900.0),
@@ -104,3 +106,15 @@ def test_factors() -> None:
     assert factor("N*m", "kft*lbf") == pytest.approx(1 / (1000 * FOOT_POUND))
     with pytest.raises(ValueError, match="does not measure in rpm"):
         factor("N*m", "rpm")
+
+
+OWN = {"octet", "B", "byte", "rev", "RPM", "ftlbf", "ft_lbf", "kftlbf", "kft_lbf"}
+
+
+def test_every_unit_of_a_rig_is_pints_own_but_for_the_oilfields() -> None:
+    pints: pint.UnitRegistry[float] = pint.UnitRegistry()
+    names = {name for name in registry()._units if name not in OWN}
+    assert {"meter", "ft", "lbf", "psi", "rpm"} <= names
+    for name in names:
+        ours, theirs = (units.Quantity(1.0, name).to_root_units() for units in (registry(), pints))
+        assert (ours.magnitude, str(ours.units)) == (theirs.magnitude, str(theirs.units)), name

@@ -3,6 +3,7 @@
 import math
 import re
 from functools import cache
+from importlib.resources import as_file, files
 
 import pint
 
@@ -30,14 +31,9 @@ _ANGULAR = ("radian", "revolution", "turn", "degree")
 
 @cache
 def registry() -> "pint.UnitRegistry[float]":
-    """The one registry of units, with the oilfield's own added."""
-    units: pint.UnitRegistry[float] = pint.UnitRegistry()
-    units.define("octet = [information] = B")  # Pint's own byte is a pure number, for which any would pass
-    units.define("ftlbf = foot * pound_force = ft_lbf")
-    units.define("kftlbf = 1000 * foot * pound_force = kft_lbf")
-    units.define("@alias revolution = rev")
-    units.define("@alias revolutions_per_minute = RPM")
-    return units
+    """The one registry of units: those of a rig."""
+    with as_file(files("vsensor") / "rig_units.txt") as rig_units:
+        return pint.UnitRegistry(rig_units)
 
 
 def to_si(value: object, unit: str) -> float:
