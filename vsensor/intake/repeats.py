@@ -90,8 +90,10 @@ class Repeats:
             return
         heard.runs.append(heard.told)
         if len(heard.runs) == BLOCK:
-            bounds_ns = np.array([heard.begun_ns, time_ns])
-            heard.beat = int(self._beats(np.array(heard.runs), bounds_ns)[0])
+            heard.beat = 0
+            if heard.runs.count(1) < FEW:  # else the shortest are of one: arrays so small take their time
+                bounds_ns = np.array([heard.begun_ns, time_ns])
+                heard.beat = int(self._beats(np.array(heard.runs), bounds_ns)[0])
             heard.begun_ns, heard.runs = time_ns, []
 
     def _beats(self, runs: Integers, bounds_ns: Integers) -> Integers:
