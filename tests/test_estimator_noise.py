@@ -112,6 +112,46 @@ def test_how_much_noisier_the_channels_are_than_told_is_found(record: Floats, ti
     assert errors[0] == pytest.approx(errors[1], rel=0.1)
 
 
+def on_lines(values: Floats, apart: float, begun: float = 0.0) -> Floats:
+    """Read once in so many ticks, with straight lines from one reading to the next."""
+    ticks = np.arange(len(values), dtype=float)
+    read = np.arange(begun, len(values), apart)
+    told: Floats = np.interp(ticks, read, np.interp(read, ticks, values))
+    return told
+
+
+@pytest.mark.parametrize(
+    ("apart", "begun"), [(2, 0), (3, 0), (10, 0), (10, 0.3), (4, 0.5), (8.3, 0.0), (20, 0)]
+)
+def test_how_many_ticks_a_reading_of_speed_lasts_is_found(record: Floats, apart: float, begun: float) -> None:
+    sensor = Estimator(SHORT)
+    sensor.run(record[0], on_lines(record[1], apart, begun))
+    assert sensor.ticks_a_reading == pytest.approx(apart, rel=0.1)
+    assert sensor.noisier**2 == pytest.approx(sensor.ticks_a_reading)
+    sensor.run(*record[:2])
+    assert sensor.ticks_a_reading == 1.0
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-6, 0.015])
+def test_what_swings_smoothly_is_no_line(noise: float) -> None:
+    seconds = np.arange(30 * RATE) / RATE
+    speed = 10 + 0.1 * np.sin(seconds) + noise * np.random.default_rng(1).normal(size=len(seconds))
+    sensor = Estimator(SHORT)
+    sensor.run(np.full_like(speed, 5e3), speed)
+    assert sensor.ticks_a_reading == 1.0
+
+
+def test_gains_follow_at_once_where_channels_are_found_to_be_noisier(record: Floats) -> None:
+    """The rock is as restless as before: beside channels so noisy it is calm. Till it stops being at rest the
+    bit tells nothing of it, and the gains would be those of a rock that shakes the whole string."""
+    sensor = Estimator(SHORT)
+    at_rest = np.linspace(0.3, 0.9, 2 * RATE) + np.random.default_rng(1).normal(0, 0.015, 2 * RATE)
+    before = sensor.bandwidth
+    sensor.run(np.full(2 * RATE, 1e3), on_lines(at_rest, 10))
+    assert sensor.ticks_a_reading == pytest.approx(10, rel=0.1)
+    assert sensor.bandwidth < before
+
+
 def test_what_is_known_of_the_steps_outlives_a_gap_and_is_saved(record: Floats) -> None:
     sensor, other = Estimator(SHORT), Estimator(SHORT)
     sensor.run(record[0], read_in(RPM, record[1]))

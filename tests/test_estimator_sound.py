@@ -76,6 +76,8 @@ HARM = [
     ("surprise", 0, -1.0),
     ("steps", 0, -1.0),
     ("resolution", 0, np.nan),
+    ("bends", 1, -1.0),
+    ("lasts", 0, 0.5),
     ("white", 0, -1.0),
     ("noisier", 0, 0.5),
     ("rock_square", 0, 0.0),

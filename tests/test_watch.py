@@ -214,7 +214,7 @@ def test_a_stick_foretold_is_told_with_its_time() -> None:
 
 
 def test_each_correction_of_the_configuration_is_told_once() -> None:
-    watching, as_told = Watch(SMALL), (1.0, (0.0, 0.0))
+    watching, as_told = Watch(SMALL), (1.0, (0.0, 0.0), 1.0)
     assert watching.learned((0.0, 0.0, 0.0, 0.0), *as_told) == []
     (event,) = watching.learned((-0.0147, 0.0, 0.25, 120.0), *as_told)
     assert event.text.endswith(
@@ -224,20 +224,23 @@ def test_each_correction_of_the_configuration_is_told_once() -> None:
 
 
 @pytest.mark.parametrize(
-    ("steps", "told"),
+    ("seen", "told"),
     [
-        ((0.0, 0.0), "noisier than told: by 3.0 times"),
-        ((100.0, 0.0), "by 3.0 times, torque is read in steps of 100 N·m"),
-        ((0.0, math.pi / 30), "by 3.0 times, speed is read in steps of 1 rpm"),
+        (((0.0, 0.0), 1.0), "noisier than told: by 3.0 times"),
+        (((100.0, 0.0), 1.0), "by 3.0 times, torque is read in steps of 100 N·m"),
+        (((0.0, math.pi / 30), 1.0), "by 3.0 times, speed is read in steps of 1 rpm"),
+        (((0.0, 0.0), 9.0), "by 3.0 times, speed is read once in 9 ticks"),
     ],
 )
-def test_channels_that_are_noisier_than_told_are_told_once(steps: tuple[float, float], told: str) -> None:
+def test_channels_that_are_noisier_than_told_are_told_once(
+    seen: tuple[tuple[float, float], float], told: str
+) -> None:
     watching, nothing = Watch(SMALL), (0.0, 0.0, 0.0, 0.0)
-    (event,) = watching.learned(nothing, 3.0, steps)
+    (event,) = watching.learned(nothing, 3.0, *seen)
     assert (event.name, event.begins) == ("noisier", True)
     assert event.text.endswith(told)
-    assert watching.learned(nothing, 4.0, steps) == []
-    (event,) = watching.learned(nothing, 1.0, (0.0, 0.0))
+    assert watching.learned(nothing, 4.0, *seen) == []
+    (event,) = watching.learned(nothing, 1.0, (0.0, 0.0), 1.0)
     assert not event.begins
 
 

@@ -21,7 +21,7 @@ SHARES = {
     "tapered": 0.01,
     "stuck": 0.0125,
     "dropped": 0.0075,
-    "repeated": 0.0075,
+    "repeated": 0.0085,
 }
 """Of the true bit speed's range, what the rms error of the confirmed one may be."""
 TORQUE = 400.0
@@ -39,6 +39,12 @@ def test_the_bit_is_that_of_the_well_and_errors_are_as_large_as_is_stated(name: 
     for kind, one in of.items():
         assert 0.85 <= one.speed_within <= 0.999, kind
         assert 0.85 <= one.torque_within <= 0.9999, kind
+
+
+def test_few_readings_are_doubted_for_it() -> None:
+    """What lies between two of them is as wrong as they are: taken for ten of them, 85 % would be within."""
+    for kind, one in zip(KINDS, scores(CASES["repeated"]), strict=True):
+        assert one.speed_within >= 0.92, kind
 
 
 def test_a_string_that_is_told_wrongly_is_found_out() -> None:

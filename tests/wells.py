@@ -215,9 +215,10 @@ def _stuck(record: Record) -> Record:
 
 
 def _repeated(record: Record) -> Record:
-    """Torque is read at 10 Hz, and each reading told ten times."""
+    """Both channels are read at 10 Hz, and each reading is told ten times."""
     now = np.arange(len(record.time))
-    return record._replace(motor_torque=record.motor_torque[now - now % 10])
+    read = now - now % 10
+    return record._replace(motor_torque=record.motor_torque[read], motor_speed=record.motor_speed[read])
 
 
 def _dropped(record: Record) -> Record:
@@ -244,7 +245,7 @@ CASES: Mapping[str, Case] = {
     "missing": Case("torque or speed missing for 0.5 s every 7 s", usual(2500), _missing),
     "stuck": Case("torque reading stuck for 0.5 s every 7 s", usual(2500), _stuck),
     "dropped": Case("speed reading 0 for 0.5 s every 7 s", usual(2500), _dropped),
-    "repeated": Case("torque read at 10 Hz, each reading told ten times", usual(2500), _repeated),
+    "repeated": Case("read at 10 Hz, each reading told ten times", usual(2500), _repeated),
     "20hz": Case("measured at 20 Hz", usual(2500)._replace(rate=20.0)),
     "lab": Case("a lab rig: 5 m of wire", _lab()),
 }

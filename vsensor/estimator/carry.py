@@ -28,6 +28,8 @@ KEPT = (
     "level",
     "steps",
     "resolution",
+    "bends",
+    "lasts",
     "white",
     "noisier",
     "ticks",

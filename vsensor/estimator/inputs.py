@@ -1,6 +1,6 @@
 """What comes in at a tick: samples, what is wrong with them, and whether the bit is off bottom."""
 
-from vsensor.estimator.noise import watch_steps
+from vsensor.estimator.noise import watch_readings, watch_steps
 from vsensor.estimator.state import FLAGS, Model, State
 from vsensor.estimator.tune import OFFSET
 from vsensor.jit import inlined
@@ -21,7 +21,9 @@ def enter(model: Model, state: State, torque: float, speed: float, flags: int) -
     offset = state.tuning.value[OFFSET] / model.passed
     _keep(state, 0, torque - offset, flags & _STALE_TORQUE != 0)
     _keep(state, 1, speed, flags & _STALE_SPEED != 0)
-    watch_steps(model, state, state.ticks[0] % state.inputs.shape[1])
+    place = state.ticks[0] % state.inputs.shape[1]
+    watch_steps(model, state, place)
+    watch_readings(model, state, place)
     return flags
 
 

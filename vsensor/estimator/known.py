@@ -67,6 +67,11 @@ class Known:
         return float(np.sqrt(self._state.noisier[0]))
 
     @property
+    def ticks_a_reading(self) -> float:
+        """For how many ticks a reading of motor speed stands, 1 where there is one for each."""
+        return float(self._state.lasts[0])
+
+    @property
     def coarse_steps(self) -> Floats:
         """Steps in which motor torque (N·m) and speed (rad/s) are read, shape (2,).
 

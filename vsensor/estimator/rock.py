@@ -45,11 +45,18 @@ def weigh_rock(model: Model, state: State, speed: float, torque: float) -> None:
     else:
         square += (seen + untold - square) / (MEMORY_S * model.rate)
     state.rock_square[0] = max(square, LEAST * assumed)
+    choose_level(model, state)
+
+
+@inlined
+def choose_level(model: Model, state: State) -> None:
+    """Put the gains in force that are for a rock so restless, beside channels so noisy."""
+    levels = model.gains.levels
     nearest = 0
-    for level in range(gains.levels.shape[0]):
-        if _apart(state, gains.levels[level]) < _apart(state, gains.levels[nearest]):
+    for level in range(levels.shape[0]):
+        if _apart(state, levels[level]) < _apart(state, levels[nearest]):
             nearest = level
-    if _apart(state, gains.levels[nearest]) < _apart(state, gains.levels[state.level[0]]) - STEPS_APART:
+    if _apart(state, levels[nearest]) < _apart(state, levels[state.level[0]]) - STEPS_APART:
         state.level[0] = nearest
 
 

@@ -63,6 +63,8 @@ def refuse_unsound(model: Model, settings: Settings, state: State) -> None:
     _within("rock_square", state.rock_square, LEAST, LARGEST**2)
     _within("steps", state.steps, 0, LARGEST)
     _within("resolution", state.resolution, 0, LARGEST)
+    _within("bends", state.bends, 0, LARGEST)
+    _within("lasts", state.lasts, 1, LARGEST)
     _within("white", state.white, 0, LARGEST**2)
     _within("noisier", state.noisier, 1, LARGEST**2)
     for name in ("level", "levels"):

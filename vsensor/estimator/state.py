@@ -32,7 +32,7 @@ NONE = -1
 """There is no such march."""
 NEVER = -(1 << 62)
 """When a flag was seen that has not been raised."""
-LEARNED = ("scores", "learned", "tuning", "rock_square", "level", "resolution", "white", "noisier")
+LEARNED = ("scores", "learned", "tuning", "rock_square", "level", "resolution", "lasts", "white", "noisier")
 """What stays when the waves are lost: these, and all within them."""
 
 FIRST_ROCK = 400.0
@@ -139,6 +139,10 @@ class State(NamedTuple):
     """What is seen of the steps in which each channel is read (noise.py), shape (2, 3);"""
     resolution: Floats
     """how large they are, N·m and rad/s, 0 where none were seen, shape (2,)."""
+    bends: Floats
+    """What is seen of the lines between readings of speed (noise.py), shape (4,);"""
+    lasts: Floats
+    """how many ticks one reading stands for, 1 or more, shape (1,)."""
     white: Floats
     """Variance of what is white in the innovations, over what was expected, shape (1,)."""
     noisier: Floats
@@ -224,9 +228,9 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
     size = length_of(ahead + back + model.steps)
     level = _first_level(model.gains.levels, bit)
     return State(
-        inputs=np.zeros((2, model.behind + 2)),
-        missing=np.zeros((2, model.behind + 2), np.int64),
-        motor=np.zeros((STRINGS, model.behind + 2)),
+        inputs=np.zeros((2, model.behind + 3)),
+        missing=np.zeros((2, model.behind + 3), np.int64),
+        motor=np.zeros((STRINGS, model.behind + 3)),
         waves=np.zeros((STRINGS, sections, size)),
         returned=np.zeros((sections, size)),
         innovations=np.zeros(size // model.steps + 1),
@@ -243,6 +247,8 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
         level=np.array([level]),
         steps=np.zeros((2, 3)),
         resolution=np.zeros(2),
+        bends=np.zeros(4),
+        lasts=np.ones(1),
         white=np.ones(1),
         noisier=np.ones(1),
         ticks=np.zeros(2, np.int64),

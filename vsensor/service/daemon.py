@@ -250,9 +250,7 @@ class Daemon:
         self.health.inbox_waiting = self._inbox.most_waiting()
         level = self.health.second()
         self._engine.intake.forecast_shed = level >= NO_FORECAST
-        for event in self._watch.shedding(level):
-            self.voice.tell(event)
-        for event in self._each_second_seen():
+        for event in chain(self._watch.shedding(level), self._each_second_seen()):
             self.voice.tell(event)
         yield
         yield from self.health.take_stock(self._state(), self._recorder, self._keeper)
@@ -282,7 +280,8 @@ class Daemon:
     def _each_second_seen(self) -> Iterator[Event]:
         yield from self._watch.second(self.health.severity, self.health.input_lost)
         intake, known = self._engine.intake, self._engine.estimator
-        yield from self._watch.learned(known.tuning.tolist(), known.noisier, known.coarse_steps.tolist())
+        coarse, lasts = known.coarse_steps.tolist(), known.ticks_a_reading
+        yield from self._watch.learned(known.tuning.tolist(), known.noisier, coarse, lasts)
         yield from self._watch.came(intake.depths, intake.depths_silent, intake.beats)
 
     def _state(self) -> str:

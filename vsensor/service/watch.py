@@ -185,21 +185,27 @@ class Watch:
         )
         return [event for event in seen if event is not None]
 
-    def learned(self, tuning: Sequence[float], noisier: float, steps: Sequence[float]) -> list[Event]:
+    def learned(
+        self, tuning: Sequence[float], noisier: float, steps: Sequence[float], lasts: float
+    ) -> list[Event]:
         """Look at what the record has told of the rig.
 
         Corrections in force: shares of delay, inertia and friction, and the torque's offset, N·m. By what
-        factor the channels are noisier than told, and the steps, N·m and rad/s, in which they are read, or 0.
+        factor the channels are noisier than told, the steps, N·m and rad/s, in which they are read, or 0, and
+        how many ticks a reading of speed lasts, 1 or more.
         """
-        seen = (self._look_at_corrections(*tuning), self._look_at_noise(noisier, *steps))
+        seen = (self._look_at_corrections(*tuning), self._look_at_noise(noisier, steps, lasts))
         return [event for event in seen if event is not None]
 
-    def _look_at_noise(self, noisier: float, torque_step: float, speed_step: float) -> Event | None:
+    def _look_at_noise(self, noisier: float, steps: Sequence[float], lasts: float) -> Event | None:
+        torque_step, speed_step = steps
         details = f"by {noisier:.1f} times"
         if torque_step:
             details += f", torque is read in steps of {torque_step:.3g} N·m"
         if speed_step:
             details += f", speed is read in steps of {speed_step * RPM:.3g} rpm"
+        if lasts > 1:
+            details += f", speed is read once in {lasts:.0f} ticks"
         return self._noisier.see(noisier > 1, self._last_ns, details if noisier > 1 else "")
 
     def _look_at_corrections(
