@@ -1,6 +1,7 @@
 """What comes in at a tick: samples, what is wrong with them, and whether the bit is off bottom."""
 
-from vsensor.estimator.noise import watch_readings, watch_steps
+from vsensor.estimator.noise import watch_steps
+from vsensor.estimator.readings import watch_readings
 from vsensor.estimator.state import FLAGS, Model, State
 from vsensor.estimator.tune import OFFSET
 from vsensor.jit import inlined

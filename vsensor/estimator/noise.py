@@ -9,11 +9,7 @@ A reading in steps is another matter. A speed in whole revolutions a minute is o
 stays so for as long as the reading does: that is more than its noise, and is not white. How coarse it is its
 changes tell: all are multiples of one step, their greatest common divisor (Euclid).
 
-Nor is the noise of a speed that is read less often than there are ticks, or was made so by a resampling:
-between two readings lies a straight line, which is as wrong as they are, for as long as it lasts. One reading
-stands for n ticks, and its noise for that of n readings, which is n times larger in all that is slow. A
-line's second differences are nothing but rounding: they tell how many readings there were. A torque so read
-costs little; to doubt the speed with it would cost more.
+A third is a speed that is read less often than there are ticks (readings.py).
 
 Gains depend on the ratio of rock to noise alone: where both channels are noisier by a factor than the gains
 were worked out for, those of a rock that is calmer by the same factor hold, and all variances are larger by
@@ -46,16 +42,6 @@ NO_MORE = 1.25
 
 STEP, COUNT, TICKS = range(3)
 """Of the present block of changes: the step of which all are multiples, how many there were, its ticks."""
-STRAIGHT = 1e-12
-"""Of a speed so small a part is rounding."""
-LINES = 0.3
-"""Where so many ticks lie on lines between their neighbours, speed is read less often than there are ticks:
-where it is read at every other one, half of them, or at every third, but not at a tick's time, a third."""
-ENOUGH, ENOUGH_S = 5, 0.5
-"""So many bends, and so long, are enough: no line is so straight by chance."""
-MOVED, BENT, BENDS, LATELY = range(4)
-"""Of the present block of speeds: the ticks, those at which they leave a straight line, how often that begins
-anew, and whether the newest one does."""
 
 
 @inlined
@@ -73,35 +59,6 @@ def watch_steps(model: Model, state: State, place: int) -> None:
         if block[COUNT] >= CHANGES and block[TICKS] >= BLOCK_S * model.rate:
             state.resolution[channel] = block[STEP]
             block[:] = 0.0
-
-
-@inlined
-def watch_readings(model: Model, state: State, place: int) -> None:
-    """Look for a line in the newest speeds; where a block has ended, judge how many ticks a reading lasts."""
-    width, block = state.inputs.shape[1], state.bends
-    before, first = (place - 1) % width, (place - 2) % width
-    if state.ticks[0] < 2 or state.missing[SPEED, place] + state.missing[SPEED, before] > 0:
-        return
-    newest, other, third = (
-        state.inputs[SPEED, place],
-        state.inputs[SPEED, before],
-        state.inputs[SPEED, first],
-    )
-    if newest == other:  # what stands still tells nothing
-        return
-    bends, bent = abs(newest - 2.0 * other + third) > STRAIGHT * abs(other), block[LATELY] > 0.0
-    block[LATELY] = 1.0 if bends else 0.0
-    block[MOVED] += 1.0
-    if bends:
-        block[BENT] += 1.0
-        block[BENDS] += 0.0 if bent else 1.0
-    on_lines = block[MOVED] - block[BENT] >= LINES * block[MOVED]
-    ends = bent and not bends  # a whole number of readings since the last block, if they are even
-    if block[BENT] >= ENOUGH and block[MOVED] >= ENOUGH_S * model.rate and (ends or not on_lines):
-        # A reading at a tick's time bends the line once, one between two ticks at both.
-        readings = max(block[BENDS], 0.5 * block[BENT])
-        state.lasts[0] = block[MOVED] / readings if on_lines else 1.0
-        block[:LATELY] = 0.0
 
 
 @inlined

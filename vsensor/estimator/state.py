@@ -140,7 +140,7 @@ class State(NamedTuple):
     resolution: Floats
     """how large they are, N·m and rad/s, 0 where none were seen, shape (2,)."""
     bends: Floats
-    """What is seen of the lines between readings of speed (noise.py), shape (4,);"""
+    """What is seen of the lines between readings of speed (readings.py), shape (4,);"""
     lasts: Floats
     """how many ticks one reading stands for, 1 or more, shape (1,)."""
     white: Floats
