@@ -46,5 +46,7 @@ clean:
 $(STAMP): pyproject.toml constraints.txt
 	@echo "Setting up .venv: a minute or two, once."
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt --editable '.[dev]'
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
+	@# Else, where Python is told to write none (PYTHONDONTWRITEBYTECODE), each start would compile it anew: half a second.
+	$(BIN)/python -m compileall -q vsensor
 	touch $@

@@ -77,6 +77,10 @@ def test_a_sound_rig_has_nothing_odd() -> None:
             Rig.model_validate(SOUND | {"string": [SOUND["string"][1] | {"outer_diameter": 6.5}]}),
             'string[1] "[b]collar": 6.5 m across: is the unit right',
         ),
+        (
+            sound("loop", rate="10 Hz"),
+            "loop.rate is 10 Hz: leave it at 100 Hz even where samples come no",
+        ),
         (with_part(0, tensile_strength="3 MN"), 'string[1] "pipe": tensile_strength alone limits nothing'),
         (
             with_part(0, tensile_strength="500 kN", torsional_strength="50 kN*m"),

@@ -23,6 +23,8 @@ WIDEST = 1.0
 IMPEDANCE_STEP = 10.0
 UNSURVEYED = 100.0
 """The survey tool sits within some tens of metres of the bit, and each stand is surveyed, m."""
+SLOW_LOOP = 20.0
+"""Hz; below it much happens within a tick, and deviations come out too small, of short strings above all."""
 LIKELY_MUDS = (800.0, 2500.0)
 """From oil to the heaviest brines and barite muds, kg/m³."""
 
@@ -37,6 +39,7 @@ def oddities(rig: Rig) -> list[str]:
         *_well(rig),
         *_ends(rig),
         *_measurement(rig),
+        *_loop(rig),
         *_network(rig),
     ]
 
@@ -145,6 +148,14 @@ def _measurement(rig: Rig) -> Iterator[str]:
         yield (
             f"measurement.torque_limit {rig.measurement.torque_limit:g} N·m is below the {motor:.0f} N·m "
             "that break string and bit loose: such samples would be refused"
+        )
+
+
+def _loop(rig: Rig) -> Iterator[str]:
+    if rig.loop.rate < SLOW_LOOP:
+        yield (
+            f"loop.rate is {rig.loop.rate:g} Hz: leave it at 100 Hz even where samples come no faster, "
+            "for what lies between them is then doubted as it should be"
         )
 
 
