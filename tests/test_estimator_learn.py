@@ -77,6 +77,7 @@ def test_torque_that_a_resting_wall_may_hold_is_not_laid_on_the_bit() -> None:
     assert learned.law[2] < 300
 
 
+@needs_compiler
 def test_new_rock_replaces_the_old() -> None:
     learned = fresh_law(GUESS)
     feed(learned, *swinging(60))
@@ -97,6 +98,7 @@ def whims(seconds: float, seed: int) -> Floats:
     return torques
 
 
+@needs_compiler
 @pytest.mark.parametrize(("before", "after"), [(0.2, 1.0), (1.0, 0.4), (1.0, 1.6)])
 def test_weight_set_on_the_bit_is_learned_within_seconds(before: float, after: float) -> None:
     """After two minutes under another weight: these are no reason to hold on to it for two more."""
@@ -107,6 +109,7 @@ def test_weight_set_on_the_bit_is_learned_within_seconds(before: float, after: f
     assert told(learned, 11.0) == pytest.approx(after * float(torque_of(ROCK, np.array(11.0))), abs=400)
 
 
+@needs_compiler
 def test_a_swinging_bit_learns_new_rock_within_two_swings() -> None:
     learned = fresh_law(GUESS)
     feed(learned, *swinging(90))
@@ -128,6 +131,7 @@ def test_the_whims_of_rough_rock_are_no_new_rock() -> None:
     assert np.sqrt(np.mean(np.square(misses))) < 70
 
 
+@needs_compiler
 def test_steady_drilling_leaves_what_it_cannot_tell_as_it_was() -> None:
     learned = fresh_law(ROCK)
     steady = np.full(12_000, 12.0)

@@ -15,6 +15,7 @@ from vsensor.estimator.forward import ForwardLine
 from vsensor.estimator.line import FADE_SPEED
 from vsensor.estimator.load import Foot, load_of, turn_bit
 from vsensor.estimator.sections import cut
+from vsensor.jit import COMPILED
 
 STEP = 5e-3
 SEEDS = st.integers(0, 2**32 - 1)
@@ -103,6 +104,7 @@ def test_the_string_is_passive(
         assert forward.run([torque], [0.0])[1][0] == pytest.approx(bit_speed, rel=1e-6, abs=1e-6)
 
 
+@pytest.mark.skipif(not COMPILED, reason="a long record: too slow without the compiler")
 def test_the_papers_step_against_its_closed_form() -> None:
     """ω₁ = 0 until θ, then (2T₀/(ζ+D)) (1 − exp(−(ζ+D)(t−θ)/J)) until 3θ; steady at T₀/D."""
     pipe = Component(

@@ -74,6 +74,7 @@ def test_without_noise_the_truth_is_found() -> None:
     np.testing.assert_allclose(values[settled, CONFIRMED + TORQUE], truth[1, settled], atol=5.0)
 
 
+@needs_compiler
 @pytest.mark.parametrize("speed", [0.0, 9.0])
 def test_a_string_in_steady_rotation_or_at_rest_starts_without_a_transient(speed: float) -> None:
     rough = LOSSY.model_copy(update={"coulomb_friction": 0.5, "static_friction": 0.8})
