@@ -34,7 +34,6 @@ NEVER = -(1 << 62)
 """When a flag was seen that has not been raised."""
 LEARNED = ("scores", "learned", "tuning", "rock_square", "level", "resolution", "lasts", "white", "noisier")
 """What stays when the waves are lost: these, and all within them."""
-
 FIRST_ROCK = 400.0
 """Torque of the rock beyond the load law, N·m, as it is taken to be at first."""
 
