@@ -53,6 +53,19 @@ def as_one_by_one(of: Rig, fed: list[tuple[str, Sample]], cut: int, split: int) 
         assert by_columns.channels[topic].counts == channel.counts
 
 
+def by_columns_alone(of: Rig, fed: list[tuple[str, Sample]], patch: pytest.MonkeyPatch) -> Intake:
+    """Hold samples of which none but the first two may be taken one by one against the same one by one."""
+    single, by_columns = Intake(of), Intake(of)
+    expected = one_by_one(single, fed)
+    begun = one_by_one(by_columns, fed[:2])
+    patch.setattr(Intake, "take", None)
+    assert begun + at_once(by_columns, fed[2:], 10_000) == expected
+    assert by_columns.save() == single.save()
+    for topic, channel in single.channels.items():
+        assert by_columns.channels[topic].counts == channel.counts
+    return by_columns
+
+
 def plain(count: int, start: int = 0) -> list[tuple[str, Sample]]:
     """Both channels in turn, the speed 3 ms behind."""
     return [

@@ -132,6 +132,24 @@ def test_how_many_ticks_a_reading_of_speed_lasts_is_found(record: Floats, apart:
     assert sensor.ticks_a_reading == 1.0
 
 
+def test_readings_lost_at_random_are_counted_as_lost(record: Floats) -> None:
+    """A ragged half of them: two ticks to a reading, up to twice of which may be held to be."""
+    ticks = np.arange(record.shape[1], dtype=float)
+    read = np.flatnonzero(np.random.default_rng(2).random(len(ticks)) < 0.6)
+    sensor = Estimator(SHORT)
+    sensor.run(record[0], np.interp(ticks, read, record[1, read]))
+    assert 1.5 < sensor.ticks_a_reading < 3.4
+
+
+def test_a_string_that_stands_between_turns_is_read_as_often_as_before(record: Floats) -> None:
+    """The speed of a drive that holds is the same to the last digit, for as long as it holds."""
+    sensor, stands = Estimator(SHORT), (np.full(20 * RATE, 1e3), np.zeros(20 * RATE))
+    turns = record[:2, 4 * RATE : 5 * RATE]
+    for torque, speed in (stands, turns, stands, turns):
+        sensor.run(torque, speed)
+        assert sensor.ticks_a_reading == 1.0
+
+
 @pytest.mark.parametrize("noise", [0.0, 1e-6, 0.015])
 def test_what_swings_smoothly_is_no_line(noise: float) -> None:
     seconds = np.arange(30 * RATE) / RATE

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.test_arrivals import as_one_by_one, at_once, one_by_one
+from tests.test_arrivals import as_one_by_one, by_columns_alone
 from tests.test_intake import BEGUN, MS, SMALL, S, T, ticks
 from tests.test_intake_ahead import refused
 from vsensor.intake import Intake, stretch
@@ -170,13 +170,7 @@ def test_by_columns_and_gone_on_with_it_is_the_same(
 
 
 def test_they_go_by_columns(monkeypatch: pytest.MonkeyPatch) -> None:
-    fed = feed(held(readings(), 10))
-    single, by_columns = Intake(SMALL), Intake(SMALL)
-    expected = one_by_one(single, fed)
-    begun = one_by_one(by_columns, fed[:2])
-    monkeypatch.setattr(Intake, "take", None)
-    assert begun + at_once(by_columns, fed[2:], 10_000) == expected
-    assert by_columns.save() == single.save()
+    assert by_columns_alone(SMALL, feed(held(readings(), 10)), monkeypatch).beats == (10, 0)
 
 
 @pytest.mark.parametrize(

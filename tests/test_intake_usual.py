@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tests.rigs import BEGUN_NS, NS, RATE, SHORT, samples
 from tests.strings import PIPE, rig
-from tests.test_arrivals import as_one_by_one, at_once, one_by_one
+from tests.test_arrivals import as_one_by_one, by_columns_alone
 from tests.test_intake import SMALL, S, T, both, reading, steps, ticks
 from tests.test_intake_ahead import refused
 from tests.test_intake_leaps import FAR, LEVEL, NOISE, Readings, noisy
@@ -161,15 +161,9 @@ def test_noise_as_configured_and_strays_in_it_go_by_columns(
     fed = noisy(count=5000)
     for at in (*range(apart, len(fed), apart), *range(apart + 1, len(fed), apart)):
         fed[at][1].value *= -2
-    single, by_columns = Intake(SMALL), Intake(SMALL)
-    expected = one_by_one(single, fed)
-    begun = one_by_one(by_columns, fed[:2])
-    monkeypatch.setattr(Intake, "take", None)
-    assert begun + at_once(by_columns, fed[2:], 10_000) == expected
-    assert by_columns.save() == single.save()
-    for topic in (T, S):
-        assert refused(by_columns, topic) == refused(single, topic)
-        assert by_columns.channels[topic].counts.strays == len(range(apart, len(fed), apart))
+    intake = by_columns_alone(SMALL, fed, monkeypatch)
+    for channel in intake.channels.values():
+        assert channel.counts.strays == len(range(apart, len(fed), apart))
 
 
 def test_a_state_of_a_version_that_doubted_no_value_is_taken_up() -> None:

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from tests.view_rig import BEGUN_NS, status, tick
 from vsensor.messages import Message, Status
 from vsensor.messages.books import REFUSALS
+from vsensor.view import series
 from vsensor.view.batches import Batch, Page, Points
 from vsensor.view.service import Service
 
@@ -40,8 +41,8 @@ def test_lateness_work_and_age_are_drawn_in_milliseconds() -> None:
     line = values(drawn(tick(0), told))
     np.testing.assert_allclose(line["/loop/lateness/each_tick"], [0.05])
     np.testing.assert_allclose(line["/loop/lateness/p99"], [0.12])
-    np.testing.assert_allclose(line["/loop/work/p50"], [0.03])
-    np.testing.assert_allclose(line["/loop/work/p99"], [0.09])
+    np.testing.assert_allclose(line[f"{series.WORK}/p50"], [0.03])
+    np.testing.assert_allclose(line[f"{series.WORK}/p99"], [0.09])
     np.testing.assert_allclose(line["/input/age/surface_torque"], [12.0])
 
 

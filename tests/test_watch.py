@@ -248,14 +248,15 @@ def test_depths_that_do_not_fit_the_string_are_told() -> None:
     watching, depths = Watch(SMALL), Depths(SMALL)
     for second in range(5):
         depths.take(SURFACE_BIT_DEPTH, Sample(time_ns=second * NS, value=9000.0))
-    (event,) = watching.came(depths, False, (0, 0))
+    (event,) = watching.incoming(depths, False, (0, 0))
     assert (event.name, event.begins) == ("depths_at_odds", True)
     assert event.text.endswith("the string is 1500.0 m long")
 
 
 def test_silent_depths_are_told_and_their_return() -> None:
     watching, depths = Watch(SMALL), Depths(SMALL)
-    told = [event for silent in (False, True, True, False) for event in watching.came(depths, silent, (0, 0))]
+    silences = (False, True, True, False)
+    told = [event for silent in silences for event in watching.incoming(depths, silent, (0, 0))]
     assert [(event.name, event.begins) for event in told] == [
         ("depths_silent", True),
         ("depths_silent", False),
@@ -264,7 +265,7 @@ def test_silent_depths_are_told_and_their_return() -> None:
 
 def test_readings_that_are_repeated_are_told_once() -> None:
     watching, depths = Watch(SMALL), Depths(SMALL)
-    told = [watching.came(depths, False, beats) for beats in ((0, 0), (10, 0), (10, 5), (0, 0))]
+    told = [watching.incoming(depths, False, beats) for beats in ((0, 0), (10, 0), (10, 5), (0, 0))]
     assert [[(event.name, event.begins) for event in events] for events in told] == [
         [],
         [("repeated", True)],

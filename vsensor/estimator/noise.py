@@ -9,7 +9,7 @@ A reading in steps is another matter. A speed in whole revolutions a minute is o
 stays so for as long as the reading does: that is more than its noise, and is not white. How coarse it is its
 changes tell: all are multiples of one step, their greatest common divisor (Euclid).
 
-A third is a speed that is read less often than there are ticks (readings.py).
+A speed that is read less often than there are ticks is noisier for that as well (readings.py).
 
 Gains depend on the ratio of rock to noise alone: where both channels are noisier by a factor than the gains
 were worked out for, those of a rock that is calmer by the same factor hold, and all variances are larger by

@@ -282,7 +282,7 @@ class Daemon:
         intake, known = self._engine.intake, self._engine.estimator
         coarse, lasts = known.coarse_steps.tolist(), known.ticks_a_reading
         yield from self._watch.learned(known.tuning.tolist(), known.noisier, coarse, lasts)
-        yield from self._watch.came(intake.depths, intake.depths_silent, intake.beats)
+        yield from self._watch.incoming(intake.depths, intake.depths_silent, intake.beats)
 
     def _state(self) -> str:
         if not self._seat.taken:

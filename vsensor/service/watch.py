@@ -228,7 +228,7 @@ class Watch:
         """An event of the present, in somebody's words."""
         return Event(time_ns=self._last_ns, name=name, begins=begins, text=text)
 
-    def came(self, depths: Depths, depths_silent: bool, beats: Sequence[int]) -> list[Event]:
+    def incoming(self, depths: Depths, depths_silent: bool, beats: Sequence[int]) -> list[Event]:
         """Look at what comes in: are the depths told, and do they fit the string? Is each sample a reading?
 
         `beats`: how often each reading of torque and of speed is told, or 0.
