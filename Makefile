@@ -10,14 +10,14 @@ INTERPRETED := $(filter-out %_gains.py %_sections.py %_wellpath.py, $(wildcard t
 demo: $(STAMP)
 	$(BIN)/vsensor demo $(ARGS)
 
-# A third of the time is waiting for daemons: three at a time keep two processors busy. The kernels as they stand, without
+# A third of the time is waiting for daemons: four at a time keep two processors busy. The kernels as they stand, without
 # the compiler, are tested beside all else, to which that gives way (nice); each that is slow for that is not stuck: more
 # patience than the rest has.
 test: $(STAMP)
 	@$(MAKE) --no-print-directory --jobs=2 test-all test-interpreted
 
 test-all: $(STAMP)
-	$(BIN)/pytest --numprocesses=3 --dist=loadfile --no-loadscope-reorder $(ARGS)
+	$(BIN)/pytest --numprocesses=4 --dist=loadfile --no-loadscope-reorder $(ARGS)
 
 test-interpreted: $(STAMP)
 	NUMBA_DISABLE_JIT=1 nice $(BIN)/pytest --quiet --numprocesses=1 --timeout=600 $(INTERPRETED) \
