@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from vsensor.bench import kernel, live, loads, offline, reading, seen, stage, tick, view, wakes
 from vsensor.bench.compiler import FLAGS, NO_COMPILER, compiler
 from vsensor.bench.processes import child_of, processor_s
-from vsensor.bench.record import drilled
+from vsensor.bench.record import drilled, endless
 from vsensor.bench.rounds import LEAST_ROUNDS, alternate
 from vsensor.bench.table import Table
 from vsensor.bench.well import deep_well
@@ -23,7 +23,9 @@ from vsensor.demo import example
 from vsensor.errors import ConfigError, VsensorError
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.kernel import CONFIRMED
-from vsensor.messages import Tick
+from vsensor.grid import NS
+from vsensor.intake import Intake
+from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Sample, Tick
 from vsensor.view.batches import Measured
 from vsensor.view.sink import send
 
@@ -124,6 +126,17 @@ def test_the_confirmed_answer_alone_is_the_same_answer(part: int) -> None:
     known = np.isfinite(whole[:, CONFIRMED])
     assert known[-1]
     np.testing.assert_array_equal(whole[known][:, [CONFIRMED, CONFIRMED + 2]], alone[known])
+
+
+def test_of_what_is_sent_over_and_over_no_sample_is_refused() -> None:
+    rig = live.rig_at(100.0)
+    intake = Intake(rig)
+    torque, speed = (np.tile(once, 3).tolist() for once in endless(rig))
+    for k, pair in enumerate(zip(torque, speed, strict=True)):
+        for topic, value in zip((SURFACE_TORQUE, SURFACE_SPEED), pair, strict=True):
+            intake.take(topic, Sample(time_ns=NS + k * NS // 100, value=value, sequence=k))
+    for channel in intake.channels.values():
+        assert channel.counts.accepted == channel.counts.received == 3000
 
 
 def test_offline_every_row_becomes_a_tick() -> None:

@@ -13,7 +13,7 @@ from vsensor.messages import BIT_ESTIMATE, SENSOR_TICK, STRING_PROFILE, SURFACE_
 from vsensor.service.daemon import Daemon
 from vsensor.service.engine import Engine
 from vsensor.service.pace import Pace, Slot
-from vsensor.service.profile import Profiler, profile_of
+from vsensor.service.profile import Profiler, profile_of, reckon
 from vsensor.service.realtime import achieve
 
 SPARSE = 7
@@ -47,7 +47,7 @@ def expected() -> dict[str, list[bytes]]:
         for _, estimate in engine.take(topic, sample):
             told[BIT_ESTIMATE].append(estimate.SerializeToString())
             if noted := profiler.note(estimate):
-                told[STRING_PROFILE].append(profile_of(noted).SerializeToString())
+                told[STRING_PROFILE].append(profile_of(reckon(noted)).SerializeToString())
     return told
 
 

@@ -17,7 +17,7 @@ from vsensor.messages import Estimate, Profile, Tick
 from vsensor.messages.vsensor_pb2 import GOOD, UNCERTAIN
 from vsensor.quality import Reason
 from vsensor.service.engine import Engine
-from vsensor.service.profile import RATE_HZ, Profiler, profile_of
+from vsensor.service.profile import RATE_HZ, Profiler, profile_of, reckon
 from vsensor.simulate.rig import Reading, SimulatedRig
 from vsensor.simulate.scenario import PLANS, Scenario
 
@@ -97,7 +97,7 @@ def profiles(of: Rig, ticks: Iterable[tuple[float, float]]) -> list[tuple[Estima
         )
         estimate = engine.step(tick)
         if noted := profiler.note(estimate):
-            told.append((estimate, profile_of(noted)))
+            told.append((estimate, profile_of(reckon(noted))))
     return told
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import zenoh
 
 from vsensor.bench.echo import ANSWERED, ASKED
-from vsensor.bench.record import drilled
+from vsensor.bench.record import endless
 from vsensor.bus import Outbox, open_session
 from vsensor.config import Bus, Rig, load
 from vsensor.grid import NS
@@ -123,7 +123,7 @@ class Probe:
 def main(config: Path, echo: str) -> None:
     """Send until standard input ends; for each line of it write a report as JSON."""
     rig = load(config)
-    torque, speed = (values.tolist() for values in drilled(rig, round(10 * rig.loop.rate)))
+    torque, speed = (values.tolist() for values in endless(rig))
     with open_session(rig.bus, "client") as session, open_session(Bus(listen=(echo,)), "client") as other:
         probe = Probe(rig, session, other)
         threading.Thread(target=probe.run, args=(torque, speed), daemon=True).start()

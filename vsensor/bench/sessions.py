@@ -21,7 +21,7 @@ from vsensor.messages import (
 )
 from vsensor.recording.writer import Compression, SessionWriter
 from vsensor.service.engine import Engine
-from vsensor.service.profile import Profiler, profile_of
+from vsensor.service.profile import Profiler, profile_of, reckon
 from vsensor.simulate.rig import SimulatedRig
 from vsensor.simulate.scenario import PLANS, Scenario
 
@@ -57,7 +57,7 @@ def recorded(rig: Rig, seconds: float) -> list[Told]:
                     (BIT_ESTIMATE, estimate),
                     (BIT_SPEED, speed),
                     (BIT_TORQUE, torque),
-                    *(((STRING_PROFILE, profile_of(noted)),) if noted else ()),
+                    *(((STRING_PROFILE, profile_of(reckon(noted))),) if noted else ()),
                 )
                 told += (Told(to, message.SerializeToString(), time_ns) for to, message in of_tick)
     return [each for each in told if each.time_ns >= PASSED_S * 1e9]

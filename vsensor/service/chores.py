@@ -1,6 +1,6 @@
 """What may wait, in parts: a turn that has time left does one of them.
 
-At 2 kHz an answer takes half a slot, and the duties of a second in one turn three of them.
+At 2 kHz an answer takes more than half a slot, and the duties of a second in one turn five of them.
 """
 
 from collections import deque
@@ -8,10 +8,11 @@ from collections.abc import Iterator
 
 from vsensor.grid import NS
 
-SPARE = 0.6
-"""A turn that has spent less of its slot has time for a part."""
-PATIENCE_S = 0.025
-"""For so long they are put off; then one is done all the same. Of a second's there are a dozen."""
+SPARE = 1.0
+"""A turn that has spent less of its slot has time for a part: the next begins late, and is not skipped."""
+PATIENCE_S = 0.02
+"""For so long they are put off; then one is done all the same. Of a second's, with its ten profiles, there
+are forty-five."""
 PARTS_HZ = 100.0
 """So many parts a second are done, at the least, where there is time."""
 

@@ -29,7 +29,7 @@ from vsensor.service.engine import Engine
 from vsensor.service.health import Health
 from vsensor.service.keeper import Keeper
 from vsensor.service.pace import Pace, Slot
-from vsensor.service.profile import Noted, Profiler, profile_of
+from vsensor.service.profile import Noted, Profiler, profile_of, reckon
 from vsensor.service.ration import Ration
 from vsensor.service.realtime import Achieved, achieve, settle
 from vsensor.service.recording import Recorder, Recording
@@ -227,7 +227,9 @@ class Daemon:
         self.health.published += 1
 
     def _tell_along(self, noted: Noted) -> Iterator[None]:
-        profile = profile_of(noted)
+        reckoned = reckon(noted)
+        yield
+        profile = profile_of(reckoned)
         yield
         self.voice.publish(STRING_PROFILE, profile, profile.time_ns)
         if (over := self._watch.profile(profile)) is not None:
@@ -250,7 +252,10 @@ class Daemon:
         self.health.inbox_waiting = self._inbox.most_waiting()
         level = self.health.second()
         self._engine.intake.forecast_shed = level >= NO_FORECAST
-        for event in chain(self._watch.shedding(level), self._each_second_seen()):
+        for event in self._watch.shedding(level):
+            self.voice.tell(event)
+        yield
+        for event in self._each_second_seen():
             self.voice.tell(event)
         yield
         yield from self.health.take_stock(self._state(), self._recorder, self._keeper)

@@ -151,7 +151,9 @@ class Health:
         status = Status(rig=self._rig.rig.name, version=__version__, state=state)
         self._tell_of_bit(status)
         yield
-        self._tell_of_estimator(status)
+        self._tell_of_learned(status)
+        yield
+        self._tell_of_string(status)
         yield
         # All that is counted, at one moment.
         self._tell_of_loop(status)
@@ -196,7 +198,7 @@ class Health:
         status.memory_locked = self.realtime.memory_locked
         status.kept_awake = self.realtime.kept_awake
 
-    def _tell_of_estimator(self, status: Status) -> None:
+    def _tell_of_learned(self, status: Status) -> None:
         estimator = self._engine.estimator
         law = estimator.law
         status.confirmed_delay_s = estimator.confirmed_delay
@@ -208,13 +210,15 @@ class Health:
         (status.inertia_correction, status.inertia_correction_std) = next(corrections)
         (status.friction_correction, status.friction_correction_std) = next(corrections)
         (status.torque_offset_nm, status.torque_offset_std_nm) = next(corrections)
+        status.rock_std_nm = estimator.rock_std
+        status.bandwidth_hz = estimator.bandwidth
+
+    def _tell_of_string(self, status: Status) -> None:
         status.string_length_m = self._engine.intake.depths.length
         status.depths_refused = self._engine.intake.depths.refused
         status.off_bottom = self._engine.intake.off_bottom
         status.depths_silent = self._engine.intake.depths_silent
-        status.rock_std_nm = estimator.rock_std
-        status.bandwidth_hz = estimator.bandwidth
-        for ahead, speed, torque in estimator.skill.tolist():
+        for ahead, speed, torque in self._engine.estimator.skill.tolist():
             skill = status.skill.add(ahead_s=ahead)
             if not math.isnan(speed):
                 skill.speed_rms_rad_s, skill.torque_rms_nm = speed, torque

@@ -53,6 +53,16 @@ class Noted(NamedTuple):
         return np.asarray(np.sqrt(self.along[quantity] ** 2 + more * (depth / depth[-1]) ** 2))
 
 
+class Reckoned(NamedTuple):
+    """What was noted, and what follows of it: at each station, shape (n,)."""
+
+    noted: Noted
+    speed_std: Floats
+    torque_std: Floats
+    margin: Floats
+    """Of the torque, until its limit; NaN where none is configured."""
+
+
 class Profiler:
     """Notes what an estimator knows along its string; the message is made of it when there is time."""
 
@@ -87,14 +97,23 @@ def lay_out(string: tuple[Component, ...], at: Stations, mud: float) -> Layout:
     )
 
 
-def profile_of(noted: Noted) -> Profile:
-    """The profile of a tick that was noted, at the confirmed time of its estimate."""
-    estimate, layout, (speed, torque) = noted.estimate, noted.layout, noted.known
-    torque_std = noted.deviation(TORQUE, estimate.confirmed_bit_torque_std_nm)
+def reckon(noted: Noted) -> Reckoned:
+    """The deviations and margins of what was noted."""
     with np.errstate(
         divide="ignore", invalid="ignore"
     ):  # nothing is left of a pipe that its own weight tears
-        margin = 1 - np.abs(torque) / layout.limit
+        margin = 1 - np.abs(noted.known[TORQUE]) / noted.layout.limit
+    return Reckoned(
+        noted,
+        noted.deviation(SPEED, noted.estimate.confirmed_bit_speed_std_rad_s),
+        noted.deviation(TORQUE, noted.estimate.confirmed_bit_torque_std_nm),
+        margin,
+    )
+
+
+def profile_of(reckoned: Reckoned) -> Profile:
+    """The profile of a tick that was noted, at the confirmed time of its estimate."""
+    (estimate, layout, (speed, torque), *_), speed_std, torque_std, margin = reckoned
     profile = Profile(
         number=estimate.number,
         time_ns=estimate.confirmed_time_ns,
@@ -102,7 +121,7 @@ def profile_of(noted: Noted) -> Profile:
         reasons=estimate.reasons,
         depth_m=layout.at.depth.tolist(),
         speed_rad_s=speed.tolist(),
-        speed_std_rad_s=noted.deviation(SPEED, estimate.confirmed_bit_speed_std_rad_s).tolist(),
+        speed_std_rad_s=speed_std.tolist(),
         torque_nm=torque.tolist(),
         torque_std_nm=torque_std.tolist(),
         shear_stress_pa=(torque * layout.stress).tolist(),

@@ -1,7 +1,8 @@
 """How much of a turn may go into samples: what ends within most of a slot, more only where a backlog lasts.
 
-What comes in a bunch is worked off over the turns that follow, each on time. After a cut there is more than
-that, and it is better to be late for a while than to be behind for long.
+What comes in a bunch is worked off over the turns that follow, each on time. Where that does not do it,
+turns reach into the next slot: then the processor never rests, each slot begins late, and still has its turn.
+After a cut there is more than that, and it is better to skip slots for a while than to be behind for long.
 """
 
 import time
@@ -12,15 +13,16 @@ SHARE = 0.7
 """Of a slot: a sample that will not be half done with by then, if it takes as long as the longest of this
 turn, waits for the next. Half, as the first tick of a turn, for which nothing is in the processor's caches,
 takes twice as long as those behind it: a backlog of which one is done each turn would stand for ever."""
-MOST_SHARE = 0.9
 SOON_S = 0.025
-"""Where a backlog is still there after so long, so much of a slot;"""
-PATIENCE_S = 0.25
+MOST_SHARE = 1.3
+"""Where a backlog is still there after so long, so much of a slot: what else a turn has to do ends before the
+next slot does, as a slot is skipped only if the one before it has lasted for two;"""
+PATIENCE_S = 2.0
 """and after so long it lasts:"""
 GROWTH = 1.1
 GROWTH_HZ = 1000.0
 """then a turn has so many times the time that the one before had, this often a second at the most: at 1 kHz,
-from 0.9 of a slot to the longest in some 40 turns."""
+to the longest in some 40 turns."""
 LONGEST_S = 0.05
 """Status, commands and signals do not wait longer."""
 
