@@ -151,3 +151,39 @@ def test_preparing_for_too_long_makes_its_own_slot_late_and_no_other() -> None:
 
     taken = list(islice(Pace(100.0, clock, prepare).slots(), 4))
     assert [slot.lateness_ns for slot in taken] == [300_000, 0, 0, 0]
+
+
+@pytest.mark.parametrize("takes_ns", [300_000, 700_000])
+def test_what_would_take_longer_than_there_is_time_is_left_to_the_slot(takes_ns: int) -> None:
+    """Samples that come between the first time and the second: after one slot that was late it is known."""
+    clock = FakeClock([0])
+    done: list[int] = []
+
+    def prepare(until_ns: int) -> bool:
+        has_come = (clock.time - clock.start) % (10 * MS) > 10 * MS - LEADS_NS[0]
+        if not has_come or clock.time >= until_ns:
+            return False
+        done.append(clock.time)
+        clock.time += takes_ns
+        return True
+
+    taken = list(islice(Pace(100.0, clock, prepare).slots(), 20))
+    fits = takes_ns < LEADS_NS[1]
+    assert len(done) == (20 if fits else 1)
+    assert sum(slot.lateness_ns for slot in taken) == (0 if fits else takes_ns - LEADS_NS[1])
+
+
+def test_a_spell_of_slowness_is_not_for_ever() -> None:
+    clock = FakeClock([0])
+    done: list[int] = []
+
+    def prepare(until_ns: int) -> bool:
+        if clock.time >= until_ns:
+            return False
+        done.append(clock.time)
+        clock.time += 100_000 if len(done) > 1 else 900_000
+        return True
+
+    for _ in islice(Pace(1000.0, clock, prepare).slots(), 2000):
+        pass
+    assert 1000 < len(done) < 1500

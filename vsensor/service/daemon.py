@@ -28,6 +28,7 @@ from vsensor.service.describe import Describer
 from vsensor.service.engine import Engine
 from vsensor.service.health import Health
 from vsensor.service.keeper import Keeper
+from vsensor.service.owed import Owed
 from vsensor.service.pace import Pace, Slot
 from vsensor.service.profile import Noted, Profiler, profile_of, reckon
 from vsensor.service.ration import Ration
@@ -41,8 +42,6 @@ from vsensor.service.watch import Watch
 
 REFUSING_SHARE = 0.5
 """Of a flood, half of what may be accepted in a turn is refused in it: the rest waits, and falls out."""
-OWED_S = 5.0
-"""So long after slots were skipped their samples may come: links that have ended are back by then."""
 STEP_BACK_S = 3e-4
 STEP_BACK_SHARE = 0.1
 """For so long, and no longer a share of a slot, the loop steps back when the answers have gone out: at its
@@ -112,8 +111,7 @@ class Daemon:
         self._ration = Ration(rig.loop.rate)
         self.fault = ""
         """What made the last unreadable sample unreadable."""
-        self._owed = 0
-        self._owed_until = 0
+        self._owed = Owed(rig.loop.rate)
         self._reload = reload
         alone = not (rig.bus.connect or rig.bus.multicast_scouting)
         self._seat = Seat(
@@ -153,11 +151,16 @@ class Daemon:
         if self._keeper is not None and self._seat.taken:
             self._keeper.save()
 
-    def prepare(self, until_ns: int) -> None:
-        """Ahead of a slot, run what has come already: when it comes its estimates are ready to be told."""
+    def prepare(self, until_ns: int) -> bool:
+        """Ahead of a slot, run what has come already: when it comes its estimates are ready to be told.
+
+        Whether there was anything to run.
+        """
         begun = time.monotonic_ns()
-        self._made.extend(self._run(lambda: time.monotonic_ns() < until_ns))
+        made = list(self._run(lambda: time.monotonic_ns() < until_ns))
+        self._made += made
         self.health.prepared(time.monotonic_ns() - begun)
+        return bool(made)
 
     def _tell_prepared(self) -> int:
         """Tell the answers that are ready and step back; for how long, ns."""
@@ -169,7 +172,7 @@ class Daemon:
         return time.monotonic_ns() - begun
 
     def _turn(self, slot: Slot) -> None:
-        self._count_owed(slot)
+        self._owed.turn(slot)
         self._ration.begin(slot.lateness_ns)
         self._take_in(slot, self._ration.lasts)
         self.health.listen()
@@ -204,18 +207,9 @@ class Daemon:
         self.voice.tell(self._watch.command(words))
         return done
 
-    def _count_owed(self, slot: Slot) -> None:
-        """A tick is owed for each slot that was skipped; what has not come some seconds later never was."""
-        if slot.skipped:
-            self._owed += slot.skipped
-            self._owed_until = slot.number + round(OWED_S * self._per_second)
-        elif slot.number > self._owed_until:
-            self._owed = 0
-
     def _publish_tick(self, slot: Slot, made: Made) -> None:
         tick, estimate = made.tick, made.estimate
-        tick.slot, tick.lateness_ns, tick.caught_up = slot.number, slot.lateness_ns, self._owed > 0
-        self._owed = max(self._owed - 1, 0)
+        tick.slot, tick.lateness_ns, tick.caught_up = slot.number, slot.lateness_ns, self._owed.pay()
         self.health.ticks += 1
         # For the answers others wait; in a session they stand behind their tick.
         told = made.told or self.voice.answer(estimate)

@@ -12,6 +12,10 @@ LEAD_SHARE = 0.4
 """by no more of a slot,"""
 LEAST_LEAD_NS = 300_000
 """and where that is less than a tick may take, not at all."""
+BELIEVED = 8
+"""How long it takes is a mean of the last ones, in which each counts for an eighth,"""
+FORGOTTEN = 1024
+"""and less by so much each time that nothing was prepared: a spell of slowness is not for ever."""
 
 
 class Clock(Protocol):
@@ -54,13 +58,15 @@ class Pace:
     def __init__(self, rate_hz: float, clock: Clock, prepare: Callable[[int], object] | None = None) -> None:
         """Where `prepare` is given it is called shortly before each slot for which there is time.
 
-        It gets a time halfway to the slot, after which it should begin nothing more. A processor that was
-        just at work wakes sooner, too.
+        It gets a time after which it should begin nothing more: halfway to the slot or, where what it did of
+        late takes longer than that, as long before it. It tells whether it did anything. Without time for
+        that it is called all the same: a processor that was just at work wakes sooner.
         """
         self._rate = rate_hz
         self._clock = clock
         self._prepare = prepare
         self._leads_ns = _leads_ns(rate_hz)
+        self._took_ns = 0
         self.start_ns = 0
         """Slot 0, by the clock."""
 
@@ -83,7 +89,15 @@ class Pace:
             ahead = deadline - lead_ns
             if self._clock.now_ns() < ahead:
                 self._clock.sleep_until(ahead)
-                prepare(ahead + lead_ns // 2)
+                self._try(prepare, min(ahead + lead_ns // 2, deadline - self._took_ns))
+
+    def _try(self, prepare: Callable[[int], object], until_ns: int) -> None:
+        begun = self._clock.now_ns()
+        if prepare(until_ns):
+            took = self._clock.now_ns() - begun
+            self._took_ns += (took - self._took_ns) // (BELIEVED if self._took_ns else 1)
+        else:
+            self._took_ns -= self._took_ns // FORGOTTEN
 
 
 def _leads_ns(rate_hz: float) -> list[int]:
