@@ -111,6 +111,21 @@ def test_answers_that_are_ready_go_out_ahead_of_all_else_where_a_slot_has_time(
     assert told[: len(answers)] == answers
 
 
+def test_a_tick_with_a_profile_is_prepared_only_where_there_is_time_for_both() -> None:
+    rig = SHORT.model_copy(update={"bus": free_bus()})
+    with open_session(rig.bus, "daemon") as session, pytest.MonkeyPatch.context() as patched:
+        sensor = Daemon(rig, Engine(rig), session, None, achieve(rig.loop))
+        waiting = Waiting()
+        patched.setattr(sensor, "_inbox", waiting)
+        waiting.samples += FEED[:20]
+        sensor._profiler.took_ns = 4 * 10**9
+        assert sensor._profiler.due(sensor._engine.intake.next_number)
+        assert not sensor.prepare(time.monotonic_ns() + 3 * 10**9)
+        assert len(waiting.samples) == 20
+        assert sensor.prepare(time.monotonic_ns() + 7 * 10**9)
+        assert not waiting.samples
+
+
 class Slots:
     """So many slots, one right behind the other."""
 

@@ -18,6 +18,7 @@ from vsensor.estimator.along import (
     TORQUE,
     Heard,
     Stations,
+    alike_since,
     along,
     catch_up,
     keep_returned,
@@ -164,31 +165,34 @@ def test_a_part_that_was_lumped_with_its_neighbour_has_its_stations_in_the_commo
 
 
 @settings(max_examples=20)
-@given(SEEDS, st.integers(1, 3), st.integers(1, 6), st.integers(0, 40))
-def test_what_is_heard_of_waves_may_be_added_late(seed: int, steps: int, lag: int, ticks: int) -> None:
+@given(SEEDS, st.integers(1, 3), st.integers(1, 6), st.integers(0, 40), st.sampled_from([0.5, 0.05, 0.0]))
+def test_what_is_heard_of_waves_may_be_added_late(
+    seed: int, steps: int, lag: int, ticks: int, changes: float
+) -> None:
     """As if every innovation had corrected them whole when it came."""
     random = np.random.default_rng(seed)
     of_waves, of_returned = random.standard_normal((2, 2, 3, lag * steps))
-    innovations, levels = random.standard_normal(24), random.integers(0, 2, 24)
+    innovations, levels, level = random.standard_normal(24), np.zeros(24, np.int64), 0
     inside, all_of_it = random.integers(0, 12, 3), np.full(3, lag * steps)
     at_once, late = np.zeros((2, 3, 64 + SPARE)), np.zeros((2, 3, 64 + SPARE))
     for tick in range(ticks):
         for step in range(tick * steps, (tick + 1) * steps):
             at_once[..., step & 63] = late[..., step & 63] = random.standard_normal((2, 3))
-        said, level = random.standard_normal(1), int(random.integers(0, 2))
+        said, level = random.standard_normal(1), level ^ int(random.random() < changes)
         innovations[tick % 24], levels[tick % 24] = said[0], level
         last = (tick + 1) * steps - 1
         correct_waves(of_waves[level], all_of_it, at_once[:1], last, said)
         correct_waves(of_returned[level], all_of_it, at_once[1:], last, said)
         correct_waves(of_waves[level], inside, late[:1], last, said)
     heard = Heard(of_waves, inside, of_returned, innovations, levels, ticks - 1, steps)
+    since = alike_since(heard, ticks - 30)
     known = np.arange(max(0, (ticks - 24) * steps, ticks * steps - 64), ticks * steps)
     for section, (f, g) in enumerate(np.moveaxis(at_once, 1, 0)):
         for step in known.tolist():
             least = int(inside[section])
-            said_of_f = late_correction(heard, of_waves[:, section], step, least)
+            said_of_f = late_correction(heard, since, of_waves[:, section], step, least)
             assert late[0, section, step & 63] + said_of_f == pytest.approx(f[step & 63], abs=1e-12)
-            said_of_g = late_correction(heard, of_returned[:, section], step, 0)
+            said_of_g = late_correction(heard, since, of_returned[:, section], step, 0)
             assert late[1, section, step & 63] + said_of_g == pytest.approx(g[step & 63], abs=1e-12)
     catch_up(heard, late[0], late[1])
     np.testing.assert_allclose(late[..., known & 63], at_once[..., known & 63], atol=1e-12)

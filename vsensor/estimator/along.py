@@ -121,12 +121,14 @@ def along(
     afterwards. No allocation.
     """
     mask = mask_of(waves.shape[1])
+    # No wave is looked up longer before than it takes to the bit.
+    since = alike_since(heard, (common - at.down[-1] - at.inside[-1]) // heard.steps)
     for k in range(at.section.shape[0]):
         i = at.section[k]
         step = common + at.down[k]
         left, came = step - at.inside[k], step + at.inside[k]
-        f = waves[i, left & mask] + late_correction(heard, heard.of_waves[:, i], left, heard.inside[i])
-        g = returned[i, came & mask] + late_correction(heard, heard.of_returned[:, i], came, 0)
+        f = waves[i, left & mask] + late_correction(heard, since, heard.of_waves[:, i], left, heard.inside[i])
+        g = returned[i, came & mask] + late_correction(heard, since, heard.of_returned[:, i], came, 0)
         w = 0.5 * (f - g) / line.impedance[i]
         rubbed = at.above[k] * rubbing(line, i, w) - at.below[k] * rubbing(line, i + 1, w)
         told[SPEED, k] = w
@@ -134,39 +136,62 @@ def along(
 
 
 @compiled
-def late_correction(heard: Heard, of_innovation: Floats, step: int, least: int) -> float:
-    """What innovations at least so many steps after a step say of a wave by gains (C, L)."""
+def alike_since(heard: Heard, first: int) -> int:
+    """The tick, no earlier than `first`, since which innovations are weighed by the same level's gains."""
+    size = heard.innovations.shape[0]
+    since, at = heard.newest, heard.newest % size
+    level, first = heard.levels[at], max(first, heard.newest - size + 1, 0)
+    while since > first:
+        at = (at if at > 0 else size) - 1
+        if heard.levels[at] != level:
+            break
+        since -= 1
+    return since
+
+
+@compiled
+def late_correction(heard: Heard, since: int, of_innovation: Floats, step: int, least: int) -> float:
+    """What innovations at least so many steps after a step say of a wave by gains (C, L).
+
+    `since` is told by `alike_since`.
+    """
     size, lag = heard.innovations.shape[0], of_innovation.shape[1] // heard.steps
     tick, end = (step + least) // heard.steps, min(step // heard.steps + lag, heard.newest + 1)
     tick = max(tick, heard.newest - size + 1)
     total = 0.0
     while tick < end:
-        # As far as the ring goes without a turn.
-        at = tick % size
-        until = at + min(end - tick, size - at)
-        gains = of_innovation[:, : of_innovation.shape[1] - (tick + 1) * heard.steps + 1 + step]
-        total += _weighted(gains, heard.steps, heard.levels[at:until], heard.innovations[at:until])
-        tick += until - at
+        level = heard.levels[tick % size]
+        gain = of_innovation.shape[1] - (tick + 1) * heard.steps + step
+        if tick < since:
+            total += of_innovation[level, gain] * heard.innovations[tick % size]
+            tick += 1
+        else:
+            # As far as the ring goes without a turn.
+            at = tick % size
+            until = at + min(end - tick, size - at)
+            gains = of_innovation[level, : gain + 1]
+            total += _weighted(gains, heard.steps, heard.innovations[at:until])
+            tick += until - at
     return total
 
 
 @inlined
-def _weighted(gains: Floats, steps: int, levels: Integers, innovations: Floats) -> float:
-    """Innovations (n,), each by the gain of its level and its age; in four sums, which wait less.
+def _weighted(gains: Floats, steps: int, innovations: Floats) -> float:
+    """Innovations (n,), each by the gain of its age; in four sums, which wait less.
 
-    The last of the gains are those of the first innovation.
+    The last of the gains is that of the first innovation.
     """
     a = b = c = d = 0.0
-    last = gains.shape[1] - 1
+    last = gains.shape[0] - 1
     fours = innovations.shape[0] // 4
     for four in range(fours):
         k = 4 * four
-        a += gains[levels[k], last - k * steps] * innovations[k]
-        b += gains[levels[k + 1], last - (k + 1) * steps] * innovations[k + 1]
-        c += gains[levels[k + 2], last - (k + 2) * steps] * innovations[k + 2]
-        d += gains[levels[k + 3], last - (k + 3) * steps] * innovations[k + 3]
+        a += gains[last - k * steps] * innovations[k]
+        b += gains[last - (k + 1) * steps] * innovations[k + 1]
+        c += gains[last - (k + 2) * steps] * innovations[k + 2]
+        d += gains[last - (k + 3) * steps] * innovations[k + 3]
     for k in range(4 * fours, innovations.shape[0]):
-        a += gains[levels[k], last - k * steps] * innovations[k]
+        a += gains[last - k * steps] * innovations[k]
     return (a + b) + (c + d)
 
 

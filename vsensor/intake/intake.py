@@ -168,6 +168,11 @@ class Intake:
         return self._torque.repeats.heard.beat, self._speed.repeats.heard.beat
 
     @property
+    def next_number(self) -> int:
+        """The number of the tick that comes next, if no grid is laid anew before."""
+        return self._number
+
+    @property
     def is_laid(self) -> bool:
         """Whether there is a grid: both channels have spoken."""
         return self._anchor_ns is not None

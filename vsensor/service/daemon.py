@@ -157,6 +157,8 @@ class Daemon:
         Whether there was anything to run.
         """
         begun = time.monotonic_ns()
+        if self._profiler.due(self._engine.intake.next_number):
+            until_ns -= self._profiler.took_ns
         made = list(self._run(lambda: time.monotonic_ns() < until_ns))
         self._made += made
         self.health.prepared(time.monotonic_ns() - begun)

@@ -1,6 +1,7 @@
 """The string's profile as a message: what stands along it, how sure that is, and how near its limit."""
 
 import math
+import time
 from typing import NamedTuple
 
 import numpy as np
@@ -72,15 +73,24 @@ class Profiler:
         self._estimator = estimator
         self._every = max(1, round(rig.loop.rate / RATE_HZ))
         self._layout = lay_out(estimator.string, estimator.stations, self._mud)
+        self.took_ns = 0
+        """How long the last note took."""
+
+    def due(self, number: int) -> bool:
+        """Whether a profile is due with a tick."""
+        return number % self._every == 0
 
     def note(self, estimate: Estimate) -> Noted | None:
         """What is known along the string where a profile is due; to be asked before another tick is run."""
-        if estimate.number % self._every or not estimate.HasField("confirmed_bit_speed_std_rad_s"):
+        if not self.due(estimate.number) or not estimate.HasField("confirmed_bit_speed_std_rad_s"):
             return None
+        begun = time.monotonic_ns()
         of = self._estimator
         if of.stations is not self._layout.at:  # the string was made longer
             self._layout = lay_out(of.string, of.stations, self._mud)
-        return Noted(estimate, self._layout, of.profile().copy(), of.noise, of.profile_noise)
+        noted = Noted(estimate, self._layout, of.profile().copy(), of.noise, of.profile_noise)
+        self.took_ns = time.monotonic_ns() - begun
+        return noted
 
 
 def lay_out(string: tuple[Component, ...], at: Stations, mud: float) -> Layout:
