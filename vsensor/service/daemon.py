@@ -151,10 +151,10 @@ class Daemon:
         if self._keeper is not None and self._seat.taken:
             self._keeper.save()
 
-    def prepare(self, until_ns: int) -> bool:
+    def prepare(self, until_ns: int) -> int:
         """Ahead of a slot, run what has come already: when it comes its estimates are ready to be told.
 
-        Whether there was anything to run.
+        How many ticks were run.
         """
         begun = time.monotonic_ns()
         if self._profiler.due(self._engine.intake.next_number):
@@ -162,7 +162,7 @@ class Daemon:
         made = list(self._run(lambda: time.monotonic_ns() < until_ns))
         self._made += made
         self.health.prepared(time.monotonic_ns() - begun)
-        return bool(made)
+        return len(made)
 
     def _tell_prepared(self) -> int:
         """Tell the answers that are ready and step back; for how long, ns."""

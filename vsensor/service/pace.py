@@ -13,7 +13,7 @@ LEAD_SHARE = 0.4
 LEAST_LEAD_NS = 300_000
 """and where that is less than a tick may take, not at all."""
 BELIEVED = 8
-"""How long it takes is a mean of the last ones, in which each counts for an eighth,"""
+"""How long one tick takes is a mean of the last ones, in which each counts for an eighth,"""
 FORGOTTEN = 1024
 """and less by so much each time that nothing was prepared: a spell of slowness is not for ever."""
 
@@ -55,12 +55,12 @@ class Slot(NamedTuple):
 class Pace:
     """Slots at a fixed rate on an absolute grid; of those due at once, the last alone gets a turn."""
 
-    def __init__(self, rate_hz: float, clock: Clock, prepare: Callable[[int], object] | None = None) -> None:
+    def __init__(self, rate_hz: float, clock: Clock, prepare: Callable[[int], int] | None = None) -> None:
         """Where `prepare` is given it is called shortly before each slot for which there is time.
 
-        It gets a time after which it should begin nothing more: halfway to the slot or, where what it did of
-        late takes longer than that, as long before it. It tells whether it did anything. Without time for
-        that it is called all the same: a processor that was just at work wakes sooner.
+        It gets a time after which it should begin nothing more: halfway to the slot or, where one thing has
+        lately taken longer than that, as long before it. It tells how many it has done. Without time for one
+        it is called all the same: a processor that was just at work wakes sooner.
         """
         self._rate = rate_hz
         self._clock = clock
@@ -84,17 +84,18 @@ class Pace:
             number = max(due, int((now - start) * self._rate / NS))
             yield Slot(number, now - deadline, number - due)
 
-    def _prepare_for(self, deadline: int, prepare: Callable[[int], object]) -> None:
+    def _prepare_for(self, deadline: int, prepare: Callable[[int], int]) -> None:
         for lead_ns in self._leads_ns:
             ahead = deadline - lead_ns
             if self._clock.now_ns() < ahead:
                 self._clock.sleep_until(ahead)
                 self._try(prepare, min(ahead + lead_ns // 2, deadline - self._took_ns))
 
-    def _try(self, prepare: Callable[[int], object], until_ns: int) -> None:
+    def _try(self, prepare: Callable[[int], int], until_ns: int) -> None:
         begun = self._clock.now_ns()
-        if prepare(until_ns):
-            took = self._clock.now_ns() - begun
+        if done := prepare(until_ns):
+            # A bunch took longer, and a pause of the machine has nothing to do with it.
+            took = min((self._clock.now_ns() - begun) // done, self._leads_ns[0])
             self._took_ns += (took - self._took_ns) // (BELIEVED if self._took_ns else 1)
         else:
             self._took_ns -= self._took_ns // FORGOTTEN
