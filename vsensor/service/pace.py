@@ -58,9 +58,9 @@ class Pace:
     def __init__(self, rate_hz: float, clock: Clock, prepare: Callable[[int], int] | None = None) -> None:
         """Where `prepare` is given it is called shortly before each slot for which there is time.
 
-        It gets a time after which it should begin nothing more: halfway to the slot or, where one thing has
-        lately taken longer than that, as long before it. It tells how many it has done. Without time for one
-        it is called all the same: a processor that was just at work wakes sooner.
+        It gets a time after which it should begin nothing more: halfway to the slot, or at once where a tick
+        has lately taken longer than there is. It tells how many it has run. Without time for one it is called
+        all the same: a processor that was just at work wakes sooner.
         """
         self._rate = rate_hz
         self._clock = clock
@@ -89,7 +89,7 @@ class Pace:
             ahead = deadline - lead_ns
             if self._clock.now_ns() < ahead:
                 self._clock.sleep_until(ahead)
-                self._try(prepare, min(ahead + lead_ns // 2, deadline - self._took_ns))
+                self._try(prepare, ahead + lead_ns // 2 if self._took_ns < lead_ns else ahead)
 
     def _try(self, prepare: Callable[[int], int], until_ns: int) -> None:
         begun = self._clock.now_ns()
