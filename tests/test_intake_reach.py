@@ -90,7 +90,7 @@ spells = st.lists(
 )
 
 
-@settings(max_examples=50)
+@settings(max_examples=30)
 @given(spells, st.sampled_from([3, 50, 10_000]), st.integers(0, 400))
 def test_by_columns_and_gone_on_with_it_is_the_same(
     levels: list[tuple[float, int]], cut: int, split: int

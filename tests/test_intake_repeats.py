@@ -158,7 +158,7 @@ def spelled(levels: list[tuple[int, int, bool]], seed: int) -> list[float]:
     ]
 
 
-@settings(max_examples=50)
+@settings(max_examples=30)
 @given(spells, st.integers(0, 9), st.sampled_from([3, 50, 10_000]), st.integers(0, 1000))
 def test_by_columns_and_gone_on_with_it_is_the_same(
     levels: list[tuple[int, int, bool]], seed: int, cut: int, split: int
