@@ -15,14 +15,17 @@ def parts(done: list[str], *names: str) -> Iterator[None]:
         yield
 
 
-def test_a_turn_with_time_does_one_part_in_the_order_in_which_they_came() -> None:
+@pytest.mark.parametrize("spent_ns", [SLOT_NS // 4, SLOT_NS - 1])
+def test_a_turn_that_is_done_within_its_slot_does_one_part_in_the_order_in_which_they_came(
+    spent_ns: int,
+) -> None:
     done: list[str] = []
     chores = Chores(2000.0)
     chores.add(parts(done, "a", "b"))
     chores.add(parts(done, "c"))
     told = []
     for _ in range(6):
-        chores.turn(SLOT_NS // 4)
+        chores.turn(spent_ns)
         told.append("".join(done))
     assert told[:2] == ["a", "ab"]
     assert done == ["a", "b", "c"]

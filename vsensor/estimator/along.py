@@ -141,11 +141,8 @@ def alike_since(heard: Heard, first: int) -> int:
     size = heard.innovations.shape[0]
     since, at = heard.newest, heard.newest % size
     level, first = heard.levels[at], max(first, heard.newest - size + 1, 0)
-    while since > first:
-        at = (at if at > 0 else size) - 1
-        if heard.levels[at] != level:
-            break
-        since -= 1
+    while since > first and heard.levels[at - 1] == level:  # -1 is the ring's last
+        since, at = since - 1, at - 1
     return since
 
 

@@ -157,7 +157,7 @@ class Daemon:
         How many ticks were run.
         """
         begun = time.monotonic_ns()
-        if self._profiler.due(self._engine.intake.next_number):
+        if self._profiler.due(self._engine.intake.next_number):  # which has to be noted behind that tick
             until_ns -= self._profiler.took_ns
         made = list(self._run(lambda: time.monotonic_ns() < until_ns))
         self._made += made

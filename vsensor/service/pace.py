@@ -67,6 +67,7 @@ class Pace:
         self._prepare = prepare
         self._leads_ns = _leads_ns(rate_hz)
         self._took_ns = 0
+        """How long one tick took of late, as far as it was prepared."""
         self.start_ns = 0
         """Slot 0, by the clock."""
 
@@ -89,16 +90,18 @@ class Pace:
             ahead = deadline - lead_ns
             if self._clock.now_ns() < ahead:
                 self._clock.sleep_until(ahead)
-                self._try(prepare, ahead + lead_ns // 2 if self._took_ns < lead_ns else ahead)
+                begun = self._clock.now_ns()
+                done = prepare(ahead + lead_ns // 2 if self._took_ns < lead_ns else ahead)
+                self._learn(done, self._clock.now_ns() - begun)
 
-    def _try(self, prepare: Callable[[int], int], until_ns: int) -> None:
-        begun = self._clock.now_ns()
-        if done := prepare(until_ns):
-            # A bunch took longer, and a pause of the machine has nothing to do with it.
-            took = min((self._clock.now_ns() - begun) // done, self._leads_ns[0])
-            self._took_ns += (took - self._took_ns) // (BELIEVED if self._took_ns else 1)
-        else:
+    def _learn(self, done: int, lasted_ns: int) -> None:
+        """Learn how long one tick takes from so many that were prepared, or forget some of it."""
+        if not done:
             self._took_ns -= self._took_ns // FORGOTTEN
+            return
+        # No more than the longest time there is: a pause of the machine would be remembered for seconds.
+        took = min(lasted_ns // done, self._leads_ns[0])
+        self._took_ns += (took - self._took_ns) // (BELIEVED if self._took_ns else 1)
 
 
 def _leads_ns(rate_hz: float) -> list[int]:

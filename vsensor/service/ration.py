@@ -15,8 +15,8 @@ turn, waits for the next. Half, as the first tick of a turn, for which nothing i
 takes twice as long as those behind it: a backlog of which one is done each turn would stand for ever."""
 SOON_S = 0.025
 MOST_SHARE = 1.3
-"""Where a backlog is still there after so long, so much of a slot: what else a turn has to do ends before the
-next slot does, as a slot is skipped only if the one before it has lasted for two;"""
+"""Where a backlog is still there after so long, so much of a slot. A slot is skipped where the turn before it
+lasts for two: that leaves time for what else a turn has to do;"""
 PATIENCE_S = 2.0
 """and after so long it lasts:"""
 GROWTH = 1.1
