@@ -46,7 +46,8 @@ clean:
 $(STAMP): pyproject.toml constraints.txt
 	@echo "Setting up .venv: a minute or two, once."
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
-	@# Else, where Python is told to write none (PYTHONDONTWRITEBYTECODE), each start would compile it anew: half a second.
-	$(BIN)/python -m compileall -q vsensor
+	$(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt --editable '.[dev]'
+	@# By as many processors as there are, which pip does not. Left to the first import it would be done at each start
+	@# where Python is told to write none (PYTHONDONTWRITEBYTECODE).
+	$(BIN)/python -m compileall -q -j 0 -x '/tests/' .venv/lib vsensor
 	touch $@

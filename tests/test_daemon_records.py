@@ -1,5 +1,6 @@
 """The daemon's recording on a real bus: parts that stand alone, snapshots, orders, a torn session mended."""
 
+import re
 import shutil
 from pathlib import Path
 
@@ -131,9 +132,12 @@ def test_what_a_crash_has_torn_is_mended_at_the_next_start(tmp_path: Path, bus: 
 def test_without_recording_a_snapshot_can_still_be_kept(tmp_path: Path, bus: Bus) -> None:
     with daemon(recording(enabled=False, memory=300.0), bus, tmp_path) as sensor, post(sensor) as rig:
         send(rig, 0, 3)
+        rig.await_status(lambda status: status.recording_memory_s >= 2.0, "the recorder's word")
         said = CliRunner().invoke(app, ["tell", str(sensor.config), "snapshot", "5", "min"])
         assert said.exit_code == 0, said.output
-        assert "the last 5 min are being written" in said.output
+        found = re.search(r"the last (\d+) s are being written", said.output)
+        assert found, said.output
+        assert int(found[1]) < 60, "it began a few seconds ago"
         wait_until(lambda: bool(sensor.sessions), "the snapshot")
         refused = CliRunner().invoke(app, ["tell", str(sensor.config), "snapshot", "2", "m"])
         assert refused.exit_code == 1

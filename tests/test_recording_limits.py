@@ -87,6 +87,16 @@ def test_the_oldest_go_while_all_are_too_large(tmp_path: Path) -> None:
     assert [path.exists() for path in made_] == [False, False, False, True, True]
 
 
+def test_what_a_session_was_mended_from_counts_and_goes_as_the_sessions_do(tmp_path: Path) -> None:
+    paths = [made(tmp_path / at(n), age_s=100 - n, size=100_000) for n in range(1, 5)]
+    paths[0], paths[2] = (paths[n].rename(f"{paths[n]}.torn") for n in (0, 2))
+    of_another = made(tmp_path / at(1, rig=f"{RIG}-2"), age_s=100, size=100_000)
+    of_another = of_another.rename(f"{of_another}.torn")
+    Desk(tmp_path, Limits(keep_size=250_000)).close()
+    assert [path.exists() for path in paths] == [False, False, True, True]
+    assert of_another.exists()
+
+
 def test_a_torn_session_is_mended_at_the_next_start_and_the_torn_one_kept(tmp_path: Path) -> None:
     whole = made(tmp_path / at(1), size=1000)
     data = whole.read_bytes()

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from vsensor.errors import InputError
-from vsensor.messages import SURFACE_TORQUE, Sample
+from vsensor.messages import SURFACE_TORQUE, Sample, State
 from vsensor.recording.reader import Session
 from vsensor.recording.recorder import Recorder
 from vsensor.recording.recover import recover
@@ -151,6 +151,33 @@ def test_a_killed_recorder_loses_no_more_than_its_last_second(tmp_path: Path) ->
     assert "vsensor recover" in recorder.trouble()
     assert not recorder.close(20)
     assert recover(part).messages >= 600
+
+
+def test_files_that_begin_later_tell_what_it_was_described_as_meanwhile(tmp_path: Path) -> None:
+    recorder = start(tmp_path / "a.mcap")
+    send(recorder, slots=1)
+    larger_than_a_packet = "#" * (3 * PACKET_BYTES)
+    recorder.describe(larger_than_a_packet, {"realtime": "prefer"})
+    assert recorder.checkpoint("split", str(tmp_path / "b.mcap"), State(), [])
+    send(recorder, slots=1)
+    assert recorder.close(20)
+
+    first, second = Session(tmp_path / "a.mcap"), Session(tmp_path / "b.mcap")
+    assert (first.configuration, second.configuration) == ("[rig]", larger_than_a_packet)
+    assert "realtime" not in first.metadata
+    assert (second.metadata["rig"], second.metadata["realtime"]) == ("r", "prefer")
+
+
+def test_one_that_died_is_told_when_it_is_back(tmp_path: Path) -> None:
+    recorder = start(tmp_path / "a.mcap")
+    os.kill(recorder.pid, signal.SIGKILL)
+    until(lambda: not (recorder.look() or recorder.alive))
+    recorder.describe("[rig]  # later", {})
+    until(lambda: bool(recorder.look()) or recorder.alive)
+    assert recorder.checkpoint("start", str(tmp_path / "b.mcap"), State(), [])
+    send(recorder, slots=1)
+    assert recorder.close(20)
+    assert Session(tmp_path / "b.mcap").configuration == "[rig]  # later"
 
 
 def test_the_file_is_completed_when_the_daemon_is_killed(tmp_path: Path) -> None:

@@ -12,8 +12,10 @@ import pytest
 
 from tests.daemons import Daemon, Post, daemon, open_files, post, wait_until
 from tests.rigs import SHORT
+from vsensor.bus import command
 from vsensor.config import Bus, Rig, effective_toml
 from vsensor.messages import SENSOR_EVENT, Event
+from vsensor.recording.reader import Session
 from vsensor.service.awake import DEVICE
 from vsensor.service.reload import Reload, changes, is_safe
 
@@ -125,6 +127,24 @@ def test_a_signal_that_comes_while_the_result_is_asked_for_refuses_nothing(tmp_p
     wait_until(lambda: bool(found) or came(), "a result")
     assert [said for _, said in found] == ["nothing has changed"]
     wait_until(lambda: not any(thread.name == "reload" for thread in threading.enumerate()), "all is read")
+
+
+@pytest.mark.process
+def test_parts_that_begin_after_a_change_tell_it(bus: Bus, tmp_path: Path) -> None:
+    recording = SHORT.recording.model_copy(update={"enabled": True, "keep_free": 0.0})
+    with (
+        daemon(SHORT.model_copy(update={"recording": recording}), bus, tmp_path) as sensor,
+        post(sensor) as rig,
+    ):
+        rig.await_status(lambda status: status.realtime == "off", "a status")
+        command(rig.session, rig.prefix, "split recording")
+        _hang_up(sensor, lambda now: now.model_copy(update={"loop": REALTIME.loop}))
+        assert "taken up" in _told(rig, 1)
+        command(rig.session, rig.prefix, "split recording")
+        assert sensor.end(signal.SIGTERM) == 0
+    parts = [Session(path) for path in sensor.sessions]
+    assert [part.metadata["realtime"] for part in parts] == ["off", "off", "prefer"]
+    assert ['realtime = "prefer"' in (part.configuration or "") for part in parts] == [False, False, True]
 
 
 @pytest.mark.process

@@ -4,7 +4,7 @@ import threading
 
 from vsensor.recording import wire
 
-Item = bytes | wire.Checkpoint
+Item = bytes | wire.Checkpoint | wire.Heading
 
 
 class Backlog:
@@ -23,7 +23,7 @@ class Backlog:
 
     def put(self, item: Item) -> None:
         """Add an item; where there is no room, count a packet's messages as dropped."""
-        size = len(item if isinstance(item, bytes) else item.remembered)
+        size = _size(item)
         with self._lock:
             if self._held + size <= self._capacity:
                 self._items.append(item)
@@ -38,3 +38,12 @@ class Backlog:
         with self._lock:
             items, self._items, self._held = self._items, [], 0
         return items
+
+
+def _size(item: Item) -> int:
+    match item:
+        case wire.Checkpoint():
+            return len(item.remembered)
+        case wire.Heading():
+            return len(item.configuration)
+    return len(item)

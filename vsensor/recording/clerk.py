@@ -85,6 +85,9 @@ class Clerk:
 
     def take(self, item: Item) -> None:
         """Take what came: messages, orders, what the sensor remembers."""
+        if isinstance(item, wire.Heading):
+            self._head = self._snapshots.head = self._head.changed(item)
+            return
         if isinstance(item, wire.Checkpoint):
             self._snapshots.memory.begin(item, time.monotonic())
             self._state = item.order["state"]

@@ -67,15 +67,15 @@ class Disk:
 def tidy(folder: Path, rig: str, limits: Limits) -> list[Path]:
     """Delete the sessions of this rig that are too old, and the oldest while all are too large; returns them.
 
-    Only complete ones, which say themselves that they are of this rig, under the names that the recorder
-    gives: never a snapshot, a file that was renamed, or one that is still being written.
+    Only complete ones, which say themselves that they are of this rig, and torn ones that were mended, under
+    the names that the recorder gives: never a snapshot, one that was renamed, or one that is being written.
     """
     if not (limits.keep_for or limits.keep_size):
         return []
     found = sorted(
         (status.st_mtime, status.st_size, path)
-        for path in folder.glob(f"{rig}-*.mcap")
-        if is_session_of(rig, path.name) and (status := _status(path)) is not None
+        for path in folder.glob(f"{rig}-*.mcap*")
+        if (is_session_of(rig, path.name) or _is_torn(path, rig)) and (status := _status(path)) is not None
     )
     excess = sum(size for _, size, _ in found) - (limits.keep_size or float("inf"))
     oldest_kept = time.time() - (limits.keep_for or float("inf"))
@@ -98,7 +98,14 @@ def _status(path: Path) -> os.stat_result | None:
         return None
 
 
+def _is_torn(path: Path, rig: str) -> bool:
+    """Whether it is what a session was mended from, which nobody but us names so."""
+    return is_session_of(rig, path.name, ".mcap.torn")
+
+
 def _is_ours(path: Path, rig: str) -> bool:
+    if _is_torn(path, rig):
+        return True
     try:
         session = Session(path)
     except VsensorError:

@@ -1,11 +1,14 @@
 """Starts the recorder's process, and starts it again where it has died."""
 
 import contextlib
+import fcntl
 import json
 import socket
+import struct
 import subprocess
 import sys
 import tempfile
+import termios
 import threading
 import time
 from collections.abc import Collection, Mapping
@@ -92,6 +95,18 @@ class Relaunch:
     def _launch(self) -> None:
         with contextlib.suppress(VsensorError, OSError):  # tried again
             self._started.append(launch(self._order, self._processors))
+
+
+def waiting(ours: socket.socket) -> dict[str, int]:
+    """What lies in the socket, and how much of that there may be, both by the kernel's own count."""
+    with contextlib.suppress(OSError):
+        queued = fcntl.ioctl(ours, termios.TIOCOUTQ, struct.pack("i", 0))
+        limit = ours.getsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF)
+        return {
+            "recorder_queue_bytes": struct.unpack("i", queued)[0],
+            "recorder_queue_limit_bytes": limit,
+        }
+    return {}
 
 
 def _await_ready(ours: socket.socket, path: str) -> None:

@@ -6,12 +6,9 @@ kernel is the bounded queue: what it cannot take at once is dropped and counted.
 """
 
 import contextlib
-import fcntl
 import json
 import socket
-import struct
 import subprocess
-import termios
 import time
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict
@@ -20,7 +17,7 @@ from typing import Any
 
 from vsensor.messages import State, message_type
 from vsensor.recording import wire
-from vsensor.recording.launch import Relaunch, launch
+from vsensor.recording.launch import Relaunch, launch, waiting
 from vsensor.recording.limits import NO_LIMITS, Limits
 from vsensor.recording.names import session_path
 from vsensor.recording.writer import Compression
@@ -78,11 +75,12 @@ class Recorder:
         self._resumes = False
         self._orders = 0
         self._processors = processors
+        self._heading = wire.Heading(configuration, metadata)
+        self._untold = False
         self._order = {
             "path": str(path),
             "begin": begin,
-            "configuration": configuration,
-            "metadata": dict(metadata),
+            **self._heading._asdict(),
             "compression": compression,
             "limits": asdict(limits),
         }
@@ -157,9 +155,17 @@ class Recorder:
         self._orders += 1
         return True
 
+    def describe(self, configuration: str, metadata: Mapping[str, str]) -> None:
+        """Have files that begin from now on say this; of the metadata what is new. Never waits."""
+        self._heading = wire.Heading(configuration, {**self._heading.metadata, **metadata})
+        self._order |= self._heading._asdict()
+        self._untold = True
+        self._tell_heading()
+
     def look(self) -> list[Note]:
         """Hear the news, and return what has happened since; once a second will do. Never waits."""
         self._revive()
+        self._tell_heading()
         while self.alive:
             try:
                 news = self._socket.recv(wire.PACKET_BYTES).decode()
@@ -172,13 +178,19 @@ class Recorder:
                     self._hear(json.loads(news))
             else:
                 self._bury()
-        self.figures = {**self.figures, **self._waiting()}
+        self.figures = {**self.figures, **waiting(self._socket)}
         notes, self._notes = self._notes, []
         return notes
 
     def trouble(self) -> str:
         """What keeps the recorder from recording, in plain text; empty while all is well."""
         return self._trouble
+
+    def _tell_heading(self) -> None:
+        with contextlib.suppress(OSError):  # told at the next look
+            if self._untold:
+                wire.send_heading(self._socket, self._heading, time.time_ns())
+                self._untold = False
 
     def _hear(self, news: dict[str, Any]) -> None:
         if news["orders"] == self._orders:  # else it was said before the last order had arrived
@@ -191,17 +203,6 @@ class Recorder:
         self._lost = news["lost"]
         self._states.read = news["state"]
         self._notes += [(name, begins, text) for name, begins, text in news["events"]]
-
-    def _waiting(self) -> dict[str, int]:
-        """What lies in the socket, and how much of that there may be, both by the kernel's own count."""
-        with contextlib.suppress(OSError):
-            queued = fcntl.ioctl(self._socket, termios.TIOCOUTQ, struct.pack("i", 0))
-            limit = self._socket.getsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF)
-            return {
-                "recorder_queue_bytes": struct.unpack("i", queued)[0],
-                "recorder_queue_limit_bytes": limit,
-            }
-        return {}
 
     def _bury(self) -> None:
         if self.alive:

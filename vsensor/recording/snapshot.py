@@ -21,7 +21,8 @@ class Snapshots:
         self.memory = Memory(seconds)
         self.complete: list[Path] = []
         """Those that were written, until somebody takes them from here."""
-        self._head = head
+        self.head = head
+        """What the next begins with."""
         self._path = Path()
         self._steps: Iterator[None] | None = None
 
@@ -36,7 +37,7 @@ class Snapshots:
         if self.memory.size > spare:
             return f"{path} is not kept: the disk is too full"
         try:
-            writer = self._head.writer(path, {"snapshot_s": f"{now - segments[0].begun:.3f}"})
+            writer = self.head.writer(path, {"snapshot_s": f"{now - segments[0].begun:.3f}"})
         except VsensorError as error:
             return str(error)
         self._path = path

@@ -11,7 +11,7 @@ import math
 import os
 import socket
 import struct
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from vsensor.messages import State
@@ -26,7 +26,9 @@ READY = "ready"
 """What the recorder answers when it stands ready; any other answer is a complaint in plain text."""
 
 FAREWELL, START, STOP, SPLIT, KEEP, SNAPSHOT = "farewell", "start", "stop", "split", "keep", "snapshot"
-"""The orders: KEEP only tells what is remembered, FAREWELL is the daemon's last word."""
+HEADING = "heading"
+"""The orders: KEEP only tells what is remembered, FAREWELL is the daemon's last word, HEADING tells how
+files begin from now on."""
 
 _SIZE = struct.Struct("<I")
 
@@ -46,6 +48,13 @@ class Checkpoint(NamedTuple):
     order: dict[str, Any]
     time_ns: int
     remembered: bytes
+
+
+class Heading(NamedTuple):
+    """What files that begin from now on say of themselves; of the metadata what is new."""
+
+    configuration: str
+    metadata: Mapping[str, str]
 
 
 def packed_order(order: dict[str, Any], time_ns: int) -> bytes:
@@ -109,17 +118,30 @@ class Carrier:
             self._file = -1
 
 
-def receive(over: socket.socket) -> bytes | Checkpoint:
+def send_heading(over: socket.socket, heading: Heading, time_ns: int) -> None:
+    """Send it in a file, for a long well path is larger than a packet; OSError where the socket is full."""
+    file = os.memfd_create("vsensor heading", os.MFD_CLOEXEC)
+    try:
+        os.write(file, json.dumps(heading).encode())
+        socket.send_fds(over, [packed_order({"order": HEADING}, time_ns)], [file])
+    finally:
+        os.close(file)
+
+
+def receive(over: socket.socket) -> bytes | Checkpoint | Heading:
     """Wait for the next packet; empty where no more will come."""
     packet, files, _, _ = socket.recv_fds(over, PACKET_BYTES, 1)
     if not files:
         return packet
     try:
-        remembered = os.pread(files[0], os.fstat(files[0]).st_size, 0)
+        content = os.pread(files[0], os.fstat(files[0]).st_size, 0)
     finally:
         os.close(files[0])
     (parcel,) = unpack(packet)
-    return Checkpoint(order_of(parcel), parcel.log_time_ns, remembered)
+    order = order_of(parcel)
+    if order["order"] == HEADING:
+        return Heading(*json.loads(content))
+    return Checkpoint(order, parcel.log_time_ns, content)
 
 
 def state_of(remembered: bytes) -> State:

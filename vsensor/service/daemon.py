@@ -10,7 +10,6 @@ import zenoh
 from vsensor.bus import SurfaceInbox
 from vsensor.commands import obey
 from vsensor.config import Rig
-from vsensor.errors import VsensorError
 from vsensor.messages import (
     SENSOR_STATUS,
     SENSOR_TICK,
@@ -32,9 +31,9 @@ from vsensor.service.owed import Owed
 from vsensor.service.pace import Pace, Slot
 from vsensor.service.profile import Noted, Profiler, profile_of, reckon
 from vsensor.service.ration import Ration
-from vsensor.service.realtime import Achieved, achieve, settle
+from vsensor.service.realtime import Achieved, settle
 from vsensor.service.recording import Recorder, Recording
-from vsensor.service.reload import Reload
+from vsensor.service.reload import Reload, take_up
 from vsensor.service.seat import Seat
 from vsensor.service.shed import NO_FORECAST, NO_PROFILE
 from vsensor.service.voice import Sent, Voice
@@ -266,16 +265,9 @@ class Daemon:
 
     def _read_again(self) -> None:
         """Take up what may change of a configuration that was read again."""
-        if self._reload is None or (result := self._reload.result(self._rig)) is None:
+        if self._reload is None or (read := self._reload.result(self._rig)) is None:
             return
-        rig, done = result
-        if rig.loop != self._rig.loop:
-            try:
-                self.health.realtime = achieve(rig.loop, self.health.realtime.others)
-            except VsensorError as error:
-                rig, done = self._rig, f"refused: {error}"
-                achieve(rig.loop, self.health.realtime.others)
-        self._rig = rig
+        self._rig, done = take_up(self._rig, read, self.health, self._recorder)
         self.voice.tell(self._watch.note("configuration", True, f"the configuration was read again: {done}"))
 
     def _each_second_seen(self) -> Iterator[Event]:

@@ -1,7 +1,7 @@
 """What the loop does for the recorder: tells it what the sensor remembers, and what the driller wants."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 from vsensor.checkpoint import remembered
@@ -33,6 +33,9 @@ class Recorder(Recorded, Protocol):
 
     def look(self) -> Sequence[Note]:
         """Hear its news, and return what has happened since."""
+
+    def describe(self, configuration: str, metadata: Mapping[str, str]) -> None:
+        """Have files that begin from now on say this of themselves."""
 
     def next_path(self, kind: str = "") -> str:
         """A name for a file that begins now."""
@@ -91,10 +94,15 @@ class Recording:
             "start": f"recording into {path}",
             "stop": f"{recorder.path} ends here",
             "split": f"{recorder.path} ends here, {path} goes on",
-            SNAPSHOT: f"the last {_minutes(min(seconds, self._memory_s))} are being written to {path}",
+            SNAPSHOT: f"the last {_minutes(min(seconds, self._held_s()))} are being written to {path}",
         }[verb]
         recorder.path = {"start": path, "stop": "", "split": path}.get(verb, recorder.path)
         return done
+
+    def _held_s(self) -> float:
+        """How far back the recorder's memory reaches, as far as it has told: not to before the start."""
+        reaches = round(self._recorder.figures.get("recording_memory_s", 0.0))
+        return min(reaches or self._memory_s, self._memory_s)
 
     def _check(self, verb: str) -> None:
         recorder = self._recorder

@@ -4,8 +4,11 @@ import threading
 from pathlib import Path
 from typing import Any
 
-from vsensor.config import Rig, differences, load
-from vsensor.errors import ConfigError
+from vsensor.config import Rig, differences, effective_toml, load
+from vsensor.errors import ConfigError, VsensorError
+from vsensor.service.health import Health
+from vsensor.service.realtime import achieve
+from vsensor.service.recording import Recorder
 
 SAFE = ("loop.realtime", "loop.priority", "loop.processors", "loop.stay_awake", "view")
 """Keys, or tables, that the estimates do not hang on, and that can be taken up between two ticks."""
@@ -63,6 +66,23 @@ class Reload:
             self._came.append(load(self._path))
         except ConfigError as error:
             self._came.append(error)
+
+
+def take_up(now: Rig, read: tuple[Rig, str], health: Health, recorder: Recorder | None) -> tuple[Rig, str]:
+    """Take up, between two ticks, what was read; the configuration from now on, and what was done.
+
+    Sessions that begin later tell it, and what real-time settings were achieved with it.
+    """
+    rig, done = read
+    if rig.loop != now.loop:
+        try:
+            health.realtime = achieve(rig.loop, health.realtime.others)
+        except VsensorError as error:
+            achieve(now.loop, health.realtime.others)
+            return now, f"refused: {error}"
+    if recorder is not None and rig is not now:
+        recorder.describe(effective_toml(rig), health.realtime.as_metadata())
+    return rig, done
 
 
 def _shown(value: Any) -> str:
