@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
-from rich.markup import escape
 
+from vsensor.cli.reading import reading
 from vsensor.config import Rig, load, loads
 from vsensor.errors import ConfigError, InputError
 
@@ -48,7 +48,7 @@ def estimate(
     if write is _to_table:
         check_writable(output)  # before the work, not after
     console = Console(highlight=False, markup=False, soft_wrap=True)
-    with console.status(escape(f"estimating {source}")):
+    with reading(source, "estimating", console):
         ticks = write(rig, source, output, forecast, console)
     console.print(f"{ticks} ticks estimated into {output}")
 

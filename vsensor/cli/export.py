@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
-from rich.markup import escape
 
+from vsensor.cli.reading import reading
 from vsensor.errors import InputError
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def export(
 
     check_writable(output)  # refuses another kind of file before the work, not after
     write = _surface if surface else _estimates
-    with Console(stderr=True).status(escape(f"reading {session.name}")):
+    with reading(session, "exporting", Console(stderr=True)):
         rows = write(Session(session), output)
     typer.echo(f"{rows} rows of {session} exported into {output}")
 

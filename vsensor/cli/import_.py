@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
-from rich.markup import escape
 
 from vsensor import __version__
 from vsensor.cli.options import rig_name
+from vsensor.cli.reading import reading
 from vsensor.config import effective_toml, load
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def import_(
         "imported_from": source.name,
         **({"resampled_to": resample} if resample else {}),
     }
-    with Console(stderr=True).status(escape(f"importing {source.name}")):
+    with reading(source, "importing", Console(stderr=True)):
         rows = _session(output, effective_toml(known) if known else "", metadata, pieces)
     typer.echo(f"{rows} rows of {source} imported into {output}")
 

@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.markup import escape
+
+from vsensor.cli.reading import reading
 
 
 def recover(
@@ -17,7 +18,7 @@ def recover(
     """Write a whole session from what survived of a torn one, which is kept."""
     from vsensor.recording.recover import recover as mend
 
-    with Console(stderr=True).status(escape(f"reading {torn.name}")):
+    with reading(torn, "recovering", Console(stderr=True)):
         recovered = mend(torn, output)
     typer.echo(
         f"{recovered.messages} messages recovered into {recovered.path}; "

@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.markup import escape
 
+from vsensor.cli.reading import reading
 from vsensor.errors import ConfigError
 
 
@@ -26,6 +26,6 @@ def report(
         raise ConfigError("a report needs Plotly: pip install 'vsensor[report]'") from error
     from vsensor.recording.reader import Session
 
-    with Console(stderr=True).status(escape(f"reading {session.name}")):
+    with reading(session, "reading", Console(stderr=True)):
         write(output, tell(Session(session)))
     typer.echo(f"{session} told in {output}")

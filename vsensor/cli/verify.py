@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
 from vsensor.cli.overrides import changed, overridden
+from vsensor.cli.reading import reading
 from vsensor.cli.wide import wide_console
 from vsensor.config import Rig, load, loads
 from vsensor.errors import ConfigError, InputError
@@ -65,7 +65,7 @@ def _verify(
             f"{path}: its ticks were made at {recorded.loop.rate:g} Hz and can be run at no other rate: "
             "vsensor estimate makes new ones of its samples"
         )
-    with console.status(escape(f"verifying {path}")):
+    with reading(path, "verifying", console):
         ticks = sum(topic.messages for topic in session.summary().topics if topic.topic == "sensor/tick")
         comparison = Comparison(ticks)
         verdict = compare(session, Otherwise(rig, recorded), strict=not differs, see=comparison.see)
