@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from tests.daemons import Daemon, daemon, post, wait_until
+from tests.live import others, undisturbed
 from tests.rigs import RATE, SHORT, Surface, samples, simulated
-from tests.soak import VIEWER
 from vsensor.config import Bus
 from vsensor.messages import SENSOR_TICK, SURFACE_SPEED, Status, Tick
 from vsensor.messages.vsensor_pb2 import GOOD
@@ -27,6 +27,8 @@ pytestmark = pytest.mark.process
 READINGS = simulated(12)
 ROOM = 600 * 1024
 """Of a small disk."""
+SEEN_BYTES = 50_000
+"""More than a view writes that hears nothing."""
 
 
 @contextmanager
@@ -84,14 +86,15 @@ def test_a_session_cannot_be_begun_on_a_read_only_disk_and_nothing_starts(bus: B
         assert "READY" not in started.said
 
 
-def test_a_listener_and_a_recorder_that_stand_still_hold_nothing_up(bus: Bus, tmp_path: Path) -> None:
-    """No put waits for them, each tick comes, and what is not recorded is counted."""
+def test_a_view_and_a_recorder_that_stand_still_hold_nothing_up(bus: Bus, tmp_path: Path) -> None:
+    """No put waits for them, nor for a view that is killed; each tick comes, what is lost is counted."""
+    seen = tmp_path / "seen.rrd"
     with daemon(SHORT, bus, tmp_path) as sensor, post(sensor) as joined:
-        config = f'{{mode: "client", connect: {{endpoints: ["{sensor.rig.bus.listen[0]}"]}}}}'
-        with subprocess.Popen([sys.executable, "-c", VIEWER, config]) as viewer:
+        with _view(sensor, seen) as viewer:
             begun_ns = time.time_ns()
             joined.send(seconds(0, 4, begun_ns))
             joined.await_status(lambda status: status.ticks == 4 * RATE, "ticks")
+            wait_until(lambda: seen.stat().st_size > SEEN_BYTES, "what the view has heard")
             stopped = (viewer.pid, sensor.recorder)
             for pid in stopped:
                 os.kill(pid, signal.SIGSTOP)
@@ -99,9 +102,12 @@ def test_a_listener_and_a_recorder_that_stand_still_hold_nothing_up(bus: Bus, tm
             joined.await_status(lambda status: status.ticks == 8 * RATE, "ticks meanwhile")
             for pid in stopped:
                 os.kill(pid, signal.SIGCONT)
-            joined.send(seconds(8, 12, begun_ns))
-            status = joined.await_status(lambda status: status.ticks == 12 * RATE, "ticks afterwards")
+            joined.send(seconds(8, 10, begun_ns))
+            joined.await_status(lambda status: status.ticks == 10 * RATE, "ticks afterwards")
             viewer.kill()
+            viewer.wait()
+            joined.send(seconds(10, 12, begun_ns))
+            status = joined.await_status(lambda status: status.ticks == 12 * RATE, "ticks without a view")
         waited = [
             n for n, upper in zip(status.publish.counts, status.publish.upper_s, strict=False) if upper > 2
         ]
@@ -112,6 +118,31 @@ def test_a_listener_and_a_recorder_that_stand_still_hold_nothing_up(bus: Bus, tm
     assert not verify(session, Engine(SHORT)).mismatches
     recorded = sum(isinstance(record.message, Tick) for record in session.messages((SENSOR_TICK,)))
     assert recorded == 12 * RATE or session.recorder["dropped_by_daemon"] != "0"
+
+
+def test_a_rig_that_was_started_again_counts_from_0_and_nothing_comes_of_it(bus: Bus, tmp_path: Path) -> None:
+    begun_ns = time.time_ns()
+    runs = [samples(part, begun_ns) for part in (READINGS[: 5 * RATE], READINGS[5 * RATE :])]
+    with daemon(SHORT, bus, tmp_path) as sensor, post(sensor) as near:
+        for sent, ticks in zip(runs, (5 * RATE, len(READINGS)), strict=True):
+            with post(sensor) as rig:
+                rig.send(sent)
+                status = near.await_status(_reached(ticks), "ticks")
+        assert [(c.accepted, c.lost) for c in status.channels] == [(len(READINGS), 0)] * 2
+        assert others(near.estimates, undisturbed([*runs[0], *runs[1]])) == []
+
+
+@contextmanager
+def _view(of: Daemon, into: Path) -> Iterator[subprocess.Popen[str]]:
+    """`vsensor view` of this daemon, once it looks on."""
+    command = [sys.executable, "-m", "vsensor.cli.main", "view", str(of.config), "--save", str(into)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as view:
+        try:
+            assert view.stdout is not None
+            assert "written to" in view.stdout.readline()
+            yield view
+        finally:
+            view.kill()
 
 
 def test_while_a_channel_is_silent_nothing_is_called_good(bus: Bus, tmp_path: Path) -> None:
@@ -128,6 +159,10 @@ def test_while_a_channel_is_silent_nothing_is_called_good(bus: Bus, tmp_path: Pa
         for estimate in joined.estimates:
             if estimate.reasons & (Reason.STALE_SPEED | Reason.STALE_TORQUE | Reason.WARMING_UP):
                 assert estimate.quality != GOOD
+
+
+def _reached(ticks: int) -> Callable[[Status], bool]:
+    return lambda status: status.ticks == ticks
 
 
 def _goes_on(ticks: int) -> Callable[[Status], bool]:
