@@ -15,7 +15,7 @@ from vsensor.config import Rig
 from vsensor.grid import NS
 from vsensor.intake.arrivals import Feed, Inputs
 from vsensor.offline import Offline
-from vsensor.tables import SurfaceTable, read_surface, surface_samples
+from vsensor.tables import SurfaceSamples, SurfaceTable, read_surface
 
 Columns = Mapping[str, NDArray[np.float64]]
 Learned = Mapping[str, NDArray[np.generic]]
@@ -100,7 +100,7 @@ def run(
     sensor = _Told(rig, off_bottom_until_s, learned)
     chunks = list(
         sensor.estimates(
-            surface_samples(_after_rest(read_surface(surface), rest_s, rig.loop.rate, torque_scale))
+            SurfaceSamples().of(_after_rest(read_surface(surface), rest_s, rig.loop.rate, torque_scale))
         )
     )
     told = {name: np.concatenate([np.asarray(chunk[name]) for chunk in chunks]) for name in chunks[0]}

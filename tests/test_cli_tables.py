@@ -13,11 +13,21 @@ import pytest
 from pyarrow import feather
 from typer.testing import CliRunner, Result
 
-from tests.rigs import SHORT, samples, simulated
+from tests.rigs import NS, SHORT, samples, simulated
 from vsensor.cli.main import app
 from vsensor.config import effective_toml
 from vsensor.intake import FORECAST_SHED
-from vsensor.messages import SENSOR_EVENT, SURFACE_SPEED, SURFACE_TORQUE, Event, Sample
+from vsensor.messages import (
+    SENSOR_EVENT,
+    SENSOR_TICK,
+    SURFACE_BIT_DEPTH,
+    SURFACE_HOLE_DEPTH,
+    SURFACE_SPEED,
+    SURFACE_TORQUE,
+    Event,
+    Sample,
+    Tick,
+)
 from vsensor.recording.reader import Session
 from vsensor.recording.writer import SessionWriter
 
@@ -36,7 +46,11 @@ def vsensor(*words: str | Path) -> Result:
 
 
 def torques(session: Path) -> list[tuple[int, float]]:
-    messages = [record.message for record in Session(session).messages([SURFACE_TORQUE])]
+    return values(session, SURFACE_TORQUE)
+
+
+def values(session: Path, topic: str) -> list[tuple[int, float]]:
+    messages = [record.message for record in Session(session).messages([topic])]
     return [(message.time_ns, message.value) for message in messages if isinstance(message, Sample)]
 
 
@@ -58,6 +72,36 @@ def test_resampled_only_if_asked_and_said_in_the_session(tmp_path: Path) -> None
     assert Session(tmp_path / "a.mcap").metadata["resampled_to"] == "4 Hz"
 
 
+def test_depths_come_along_once_a_second_and_tare_the_sensor(tmp_path: Path) -> None:
+    """Of rows at 50 Hz; a depth that is told seldom is told as often as it is."""
+    readings = simulated(12)
+    count = len(readings)
+    feet = np.full(count, 3937.0)
+    seldom = [4000.0 if row % 70 == 10 else None for row in range(count)]
+    columns = {
+        "time_s": [reading.time_s for reading in readings],
+        "motor_torque_nm": [reading.motor_torque for reading in readings],
+        "motor_speed_rad_s": [reading.motor_speed for reading in readings],
+        "DBTM": feet,
+        "DMEA": seldom,
+    }
+    (tmp_path / "rig.toml").write_text(effective_toml(SHORT))
+    arrow_csv.write_csv(pa.table(columns), tmp_path / "log.csv")
+    depths = ("--bit-depth-column", "DBTM", "--hole-depth-column", "DMEA", "--depth-unit", "ft")
+    done = vsensor("import", tmp_path / "log.csv", "-o", tmp_path / "a.mcap", *depths)
+    assert done.exit_code == 0, done.output
+    told = {topic: values(tmp_path / "a.mcap", topic) for topic in (SURFACE_BIT_DEPTH, SURFACE_HOLE_DEPTH)}
+    assert [time_ns // NS for time_ns, _ in told[SURFACE_BIT_DEPTH]] == list(range(13))
+    assert [value for _, value in told[SURFACE_BIT_DEPTH]] == pytest.approx([3937.0 * 0.3048] * 13)
+    assert [time_ns for time_ns, _ in told[SURFACE_HOLE_DEPTH]] == [
+        round(readings[row].time_s * NS) for row in range(10, count, 70)
+    ]
+    done = vsensor("estimate", tmp_path / "a.mcap", tmp_path / "rig.toml", "-o", tmp_path / "b.mcap")
+    assert done.exit_code == 0, done.output
+    ticks = [record.message for record in Session(tmp_path / "b.mcap").messages([SENSOR_TICK])]
+    assert any(tick.off_bottom for tick in ticks if isinstance(tick, Tick)), "20 m off bottom"
+
+
 def test_a_table_that_is_bad_further_down_leaves_no_session(tmp_path: Path) -> None:
     (tmp_path / "log.csv").write_text(HEADER + "\n".join((*ROWS, "24.11.2026;8h15;1;1")))
     done = vsensor("import", tmp_path / "log.csv", "-o", tmp_path / "a.mcap", *FORM)
@@ -67,21 +111,27 @@ def test_a_table_that_is_bad_further_down_leaves_no_session(tmp_path: Path) -> N
 
 
 def test_the_same_estimates_come_of_every_kind_of_table(tmp_path: Path) -> None:
-    """From CSV, Parquet and Feather, and of a session made of them; to Parquet and NumPy."""
+    """From CSV, Parquet, Feather and an Arrow stream, and of a session made of them; to Parquet and NumPy."""
     readings = simulated(4)
     columns = {
         "time_s": [reading.time_s for reading in readings],
         "motor_torque_nm": [reading.motor_torque for reading in readings],
         "motor_speed_rad_s": [reading.motor_speed for reading in readings],
     }
+    table = pa.table(columns)
     (tmp_path / "rig.toml").write_text(effective_toml(SHORT))
-    arrow_csv.write_csv(pa.table(columns), tmp_path / "in.csv")
-    parquet.write_table(pa.table(columns), tmp_path / "in.parquet")
-    feather.write_feather(pa.table(columns), tmp_path / "in.feather")
+    arrow_csv.write_csv(table, tmp_path / "in.csv")
+    parquet.write_table(table, tmp_path / "in.parquet")
+    feather.write_feather(table, tmp_path / "in.feather")
+    with (
+        pa.OSFile(str(tmp_path / "in.arrows"), "wb") as file,
+        pa.ipc.new_stream(file, table.schema) as stream,
+    ):
+        stream.write_table(table, max_chunksize=70)
     done = vsensor("import", tmp_path / "in.csv", "-o", tmp_path / "in.mcap")
     assert done.exit_code == 0, done.output
     found = []
-    for kind in ("csv", "parquet", "feather", "mcap"):
+    for kind in ("csv", "parquet", "feather", "arrows", "mcap"):
         for output in (tmp_path / f"{kind}.parquet", tmp_path / f"{kind}.npz"):
             done = vsensor("estimate", tmp_path / f"in.{kind}", tmp_path / "rig.toml", "-o", output)
             assert done.exit_code == 0, done.output

@@ -15,7 +15,7 @@ from vsensor.recording import blocks
 from vsensor.recording.reader import Session
 from vsensor.recording.tabulate import surface_tables
 from vsensor.recording.writer import SessionWriter
-from vsensor.tables import SurfaceTable, surface_samples
+from vsensor.tables import SurfaceSamples, SurfaceTable
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 
@@ -44,7 +44,7 @@ def samples(*told: tuple[str, int, float]) -> list[tuple[str, Sample]]:
 
 def test_a_row_becomes_torque_then_speed_under_one_number() -> None:
     table = SurfaceTable.at_seconds(np.array([0.01, 1.7e9]), np.array([5.0, 6.0]), np.array([7.0, 8.0]))
-    assert list(surface_samples(table)) == [
+    assert list(SurfaceSamples().of(table)) == [
         (SURFACE_TORQUE, Sample(time_ns=10_000_000, value=5.0, sequence=0)),
         (SURFACE_SPEED, Sample(time_ns=10_000_000, value=7.0, sequence=0)),
         (SURFACE_TORQUE, Sample(time_ns=1_700_000_000_000_000_000, value=6.0, sequence=1)),
@@ -58,7 +58,7 @@ def test_a_table_through_a_session_comes_back_the_same(rows: dict[int, tuple[flo
     torque, speed = (np.array([rows[time][n] for time in times]) for n in (0, 1))
     table = SurfaceTable(np.array(times) * 1000, torque, speed)
     with tempfile.TemporaryDirectory() as folder:
-        (back,) = surface_tables(written(Path(folder) / "a.mcap", surface_samples(table)))
+        (back,) = surface_tables(written(Path(folder) / "a.mcap", SurfaceSamples().of(table)))
     assert back.time_ns.tobytes() == table.time_ns.tobytes()
     assert back.motor_torque_nm.tobytes() == torque.tobytes()
     assert back.motor_speed_rad_s.tobytes() == speed.tobytes()

@@ -17,7 +17,7 @@ from tests.leapfrog import Record
 from tests.wells import CASES, Case, surface
 from vsensor.config import Rig
 from vsensor.offline import Offline
-from vsensor.tables import surface_samples
+from vsensor.tables import SurfaceSamples
 
 FROM_S = 10.0
 KINDS = ("confirmed", "now", "forecast")
@@ -27,7 +27,7 @@ SMALL = 10.0
 
 def told(rig: Rig, record: Record) -> Columns:
     """The estimates table of a record."""
-    chunks = list(Offline(rig).estimates(surface_samples(surface(record))))
+    chunks = list(Offline(rig).estimates(SurfaceSamples().of(surface(record))))
     return {name: np.concatenate([np.asarray(chunk[name]) for chunk in chunks]) for name in chunks[0]}
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 def import_(
     source: Annotated[
-        Path, typer.Argument(metavar="INPUT", help="Surface samples: .csv, .parquet, .feather or .arrow.")
+        Path, typer.Argument(metavar="INPUT", help="Surface samples: .csv, .parquet, .feather, .arrow.")
     ],
     output: Annotated[Path, typer.Option("-o", "--output", help="The session: .mcap.")],
     rig: Annotated[str, typer.Option(help="The rig's name; by default the configuration's.")] = "",
@@ -41,11 +41,17 @@ def import_(
     ] = "UTC",
     torque_unit: Annotated[str, typer.Option(help='Unit of the torque, such as "kft*lbf".')] = "N*m",
     speed_unit: Annotated[str, typer.Option(help='Unit of the speed, such as "rpm".')] = "rad/s",
+    bit_depth_column: Annotated[
+        str,
+        typer.Option(help="What it calls the bit's depth, if it has it: off bottom the sensor tares itself."),
+    ] = "",
+    hole_depth_column: Annotated[str, typer.Option(help="And the hole's.")] = "",
+    depth_unit: Annotated[str, typer.Option(help='Unit of the depths, such as "ft".')] = "m",
     resample: Annotated[
         str, typer.Option(help='Lay the samples on a grid of this rate, such as "100 Hz", by straight lines.')
     ] = "",
 ) -> None:
-    """Make a session of a table of surface torque and speed."""
+    """Make a session of a table of surface torque and speed, and of depths if it has them."""
     from vsensor.tables import Layout, TimeForm, surface_pieces
     from vsensor.tables.resample import resampled
 
@@ -58,6 +64,9 @@ def import_(
         form=TimeForm(time_unit, time_format, time_zone).checked(),
         torque_unit=torque_unit,
         speed_unit=speed_unit,
+        bit_depth=bit_depth_column,
+        hole_depth=hole_depth_column,
+        depth_unit=depth_unit,
     )
     pieces = surface_pieces(source, layout, whole=bool(resample))
     if resample:
@@ -84,12 +93,11 @@ def _session(
 
 
 def _write(writer: "SessionWriter", pieces: "Iterator[SurfaceTable]") -> int:
-    from vsensor.tables import surface_samples
+    from vsensor.tables import SurfaceSamples
 
-    rows, torque, speed = 0, 0, 0
+    rows, samples = 0, SurfaceSamples()
     for table in pieces:
-        for topic, sample in surface_samples(table, (torque, speed)):
+        for topic, sample in samples.of(table):
             writer.write(topic, sample.SerializeToString(), sample.time_ns, sample.time_ns, sample.sequence)
         rows += len(table)
-        torque, speed = torque + table.samples[0], speed + table.samples[1]
     return rows

@@ -3,10 +3,10 @@
 from vsensor.tables.cells import Floats
 from vsensor.tables.surface import (
     Layout,
+    SurfaceSamples,
     SurfaceTable,
     read_surface,
     surface_pieces,
-    surface_samples,
 )
 from vsensor.tables.times import TimeForm
 from vsensor.tables.writer import (
@@ -23,13 +23,13 @@ __all__ = [
     "SURFACE_COLUMNS",
     "Floats",
     "Layout",
+    "SurfaceSamples",
     "SurfaceTable",
     "TableWriter",
     "TimeForm",
     "check_writable",
     "read_surface",
     "surface_pieces",
-    "surface_samples",
     "write_estimates",
     "write_surface",
 ]

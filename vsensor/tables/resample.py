@@ -40,8 +40,14 @@ def _laid(rows: SurfaceTable, times: np.ndarray) -> SurfaceTable:
     times = times[told]
     # Seconds since the first: as doubles, nanoseconds since 1970 are known to 256.
     at, known = ((each - rows.time_ns[0]) / NS for each in (times, rows.time_ns))
+    told = np.searchsorted(rows.time_ns, times, side="right") - 1
     return SurfaceTable(
-        times, np.interp(at, known, rows.motor_torque_nm), np.interp(at, known, rows.motor_speed_rad_s)
+        times,
+        np.interp(at, known, rows.motor_torque_nm),
+        np.interp(at, known, rows.motor_speed_rad_s),
+        {
+            topic: depth[told] for topic, depth in rows.depths_m.items()
+        },  # as told last, for they come in steps
     )
 
 
@@ -60,8 +66,14 @@ def _joined(last: SurfaceTable, piece: SurfaceTable) -> SurfaceTable:
         np.append(last.time_ns, piece.time_ns),
         np.append(last.motor_torque_nm, piece.motor_torque_nm),
         np.append(last.motor_speed_rad_s, piece.motor_speed_rad_s),
+        {topic: np.append(last.depths_m[topic], depth) for topic, depth in piece.depths_m.items()},
     )
 
 
 def _tail(rows: SurfaceTable) -> SurfaceTable:
-    return SurfaceTable(rows.time_ns[-1:], rows.motor_torque_nm[-1:], rows.motor_speed_rad_s[-1:])
+    return SurfaceTable(
+        rows.time_ns[-1:],
+        rows.motor_torque_nm[-1:],
+        rows.motor_speed_rad_s[-1:],
+        {topic: depth[-1:] for topic, depth in rows.depths_m.items()},
+    )

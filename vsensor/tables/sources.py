@@ -20,6 +20,10 @@ _TOLD = re.compile(r"sep=([,;\t|:])\r?\n?", re.IGNORECASE)
 """Excel's first line, by which it knows again what parts the columns."""
 
 
+_ARROW_FILE = b"ARROW1"
+"""What a file begins with, and a stream does not."""
+
+
 class Source(Protocol):
     """A file with named columns."""
 
@@ -142,20 +146,38 @@ class Parquet:
 
 
 class Arrow(Parquet):
-    """Arrow's own file format, which is Feather's second version."""
+    """Arrow's own formats: the file, which is Feather's second version, and the stream."""
 
     def batches(self, names: Sequence[str]) -> Iterator[pa.RecordBatch]:
         """Yield these columns, a batch of rows at a time."""
         try:
-            with pa.memory_map(str(self.path)) as mapped, pa.ipc.open_file(mapped) as file:
-                _check_columns(self.path, names, file.schema.names)
-                for number in range(file.num_record_batches):
-                    yield file.get_batch(number).select(names)
+            with pa.memory_map(str(self.path)) as mapped:
+                if mapped.read(len(_ARROW_FILE)) == _ARROW_FILE:
+                    yield from self._of_file(pa.ipc.open_file(mapped), names)
+                else:
+                    mapped.seek(0)
+                    yield from self._of_stream(pa.ipc.open_stream(mapped), names)
         except _DAMAGED as error:
-            raise InputError(f"{self.path}: is no Arrow table (Feather 2): {error}") from error
+            raise InputError(f"{self.path}: is no Arrow table (Feather 2, or a stream): {error}") from error
+
+    def _of_file(self, file: Any, names: Sequence[str]) -> Iterator[pa.RecordBatch]:
+        _check_columns(self.path, names, file.schema.names)
+        for number in range(file.num_record_batches):
+            yield file.get_batch(number).select(names)
+
+    def _of_stream(self, stream: Any, names: Sequence[str]) -> Iterator[pa.RecordBatch]:
+        _check_columns(self.path, names, stream.schema.names)
+        for batch in stream:
+            yield batch.select(names)
 
 
-SOURCES: dict[str, type[Source]] = {".csv": Csv, ".parquet": Parquet, ".feather": Arrow, ".arrow": Arrow}
+SOURCES: dict[str, type[Source]] = {
+    ".csv": Csv,
+    ".parquet": Parquet,
+    ".feather": Arrow,
+    ".arrow": Arrow,
+    ".arrows": Arrow,
+}
 """By the ending of the file's name."""
 
 

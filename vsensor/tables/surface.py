@@ -1,9 +1,9 @@
 """What a rig measured, from a table: its columns found, in SI, each time later than the one before."""
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, fields
-from itertools import count
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Self
 
@@ -12,7 +12,13 @@ import pyarrow as pa
 
 from vsensor.errors import ConfigError, InputError
 from vsensor.grid import NS, seconds
-from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Sample
+from vsensor.messages import (
+    SURFACE_BIT_DEPTH,
+    SURFACE_HOLE_DEPTH,
+    SURFACE_SPEED,
+    SURFACE_TORQUE,
+    Sample,
+)
 from vsensor.tables.cells import BadCellError, Floats, measured, numbers
 from vsensor.tables.sources import Source, source_of
 from vsensor.tables.times import IN_SECONDS, TimeForm, Times
@@ -21,7 +27,7 @@ from vsensor.units import factor
 
 @dataclass(frozen=True)
 class Layout:
-    """What a file calls the columns of a surface table, and how each is told; `date` is a column or none."""
+    """What a file calls the columns of a surface table, and how each is told; date and depths may be none."""
 
     time: str = "time_s"
     torque: str = "motor_torque_nm"
@@ -30,11 +36,26 @@ class Layout:
     form: TimeForm = IN_SECONDS
     torque_unit: str = "N*m"
     speed_unit: str = "rad/s"
+    bit_depth: str = ""
+    hole_depth: str = ""
+    depth_unit: str = "m"
+
+    @property
+    def depths(self) -> Mapping[str, str]:
+        """The columns of depths that there are, by topic."""
+        depths = {SURFACE_BIT_DEPTH: self.bit_depth, SURFACE_HOLE_DEPTH: self.hole_depth}
+        return {topic: column for topic, column in depths.items() if column}
 
     @property
     def names(self) -> tuple[str, ...]:
         """The columns that are read."""
-        return (self.time, self.torque, self.speed, *([self.date] if self.date else []))
+        return (
+            self.time,
+            self.torque,
+            self.speed,
+            *([self.date] if self.date else []),
+            *self.depths.values(),
+        )
 
 
 PLAIN = Layout()
@@ -47,6 +68,8 @@ class SurfaceTable:
     time_ns: Times
     motor_torque_nm: Floats
     motor_speed_rad_s: Floats
+    depths_m: Mapping[str, Floats] = field(default_factory=dict)
+    """Of bit and hole, where they are told, by topic."""
 
     @classmethod
     def at_seconds(cls, time_s: Floats, torque: Floats, speed: Floats) -> Self:
@@ -71,16 +94,20 @@ class SurfaceTable:
 
 
 def read_surface(path: Path, layout: Layout = PLAIN) -> SurfaceTable:
-    """Read a surface table whole, as `surface_pieces` does it piece by piece."""
+    """Read torque and speed of a surface table whole, as `surface_pieces` does it piece by piece."""
     pieces = list(surface_pieces(path, layout))
-    columns = ([getattr(piece, field.name) for piece in pieces] for field in fields(SurfaceTable))
-    return SurfaceTable(*map(np.concatenate, columns))
+    return SurfaceTable(
+        np.concatenate([piece.time_ns for piece in pieces]),
+        np.concatenate([piece.motor_torque_nm for piece in pieces]),
+        np.concatenate([piece.motor_speed_rad_s for piece in pieces]),
+    )
 
 
 def surface_pieces(path: Path, layout: Layout = PLAIN, *, whole: bool = False) -> Iterator[SurfaceTable]:
-    """Read a surface table from .csv, .parquet, .feather or .arrow, some thousands of rows at a time.
+    """Read a surface table from .csv, .parquet, .feather, .arrow or .arrows, thousands of rows at a time.
 
-    An empty cell, or NaN, is a channel without a sample at that time; where rows must be `whole`, a fault.
+    An empty cell, or NaN, is a channel without a sample at that time; where rows must be `whole`, one
+    of torque or speed is a fault.
     Raises InputError naming the line (CSV, the header being line 1) or row (others) at fault, ConfigError
     for a unit that does not measure what the column holds, or another kind of file.
     """
@@ -88,6 +115,7 @@ def surface_pieces(path: Path, layout: Layout = PLAIN, *, whole: bool = False) -
         _scale(path, "motor_torque_nm", layout.torque_unit, "N*m"),
         _scale(path, "motor_speed_rad_s", layout.speed_unit, "rad/s"),
     )
+    depth_scale = _scale(path, "a depth", layout.depth_unit, "m")
     source = source_of(path)
     row, last_ns = 0, None
     for batch in source.batches(layout.names):
@@ -97,22 +125,49 @@ def surface_pieces(path: Path, layout: Layout = PLAIN, *, whole: bool = False) -
         time_ns = reader.times(layout)
         reader.check_times(layout.time, time_ns, last_ns)
         values = (reader.values(name, whole) for name in (layout.torque, layout.speed))
-        yield SurfaceTable(time_ns, *(value * scale for value, scale in zip(values, scales, strict=True)))
+        depths = {
+            topic: reader.values(name, whole=False) * depth_scale for topic, name in layout.depths.items()
+        }
+        torque, speed = (value * scale for value, scale in zip(values, scales, strict=True))
+        yield SurfaceTable(time_ns, torque, speed, depths)
         row, last_ns = row + batch.num_rows, int(time_ns[-1])
     if row == 0:
         raise InputError(f"{path}: has a header but no rows")
 
 
-def surface_samples(table: SurfaceTable, first: tuple[int, int] = (0, 0)) -> Iterator[tuple[str, Sample]]:
-    """Yield a table's rows as a rig would send them: torque, then speed, each numbered from its `first`."""
-    rows = zip(
-        table.time_ns.tolist(), table.motor_torque_nm.tolist(), table.motor_speed_rad_s.tolist(), strict=True
-    )
-    numbers = tuple(map(count, first))
-    for time_ns, *values in rows:
-        for topic, value, number in zip((SURFACE_TORQUE, SURFACE_SPEED), values, numbers, strict=True):
-            if math.isfinite(value):
-                yield topic, Sample(time_ns=time_ns, value=value, sequence=next(number))
+class SurfaceSamples:
+    """The rows of a table, piece by piece, as a rig would send them; each channel numbered from 0."""
+
+    def __init__(self) -> None:
+        self._numbers: Counter[str] = Counter()
+        self._told_s: dict[str, int] = {}
+        """The whole second in which each depth was told last."""
+
+    def of(self, table: SurfaceTable) -> Iterator[tuple[str, Sample]]:
+        """Yield those of a piece: depths, torque and speed of each row; a depth once a second at most."""
+        depths = {topic: self._seldom(topic, table.time_ns, m) for topic, m in table.depths_m.items()}
+        columns = {
+            **depths,
+            SURFACE_TORQUE: table.motor_torque_nm,
+            SURFACE_SPEED: table.motor_speed_rad_s,
+        }
+        rows = zip(table.time_ns.tolist(), *(column.tolist() for column in columns.values()), strict=True)
+        for time_ns, *values in rows:
+            for topic, value in zip(columns, values, strict=True):
+                if math.isfinite(value):
+                    yield topic, Sample(time_ns=time_ns, value=value, sequence=self._numbers[topic])
+                    self._numbers[topic] += 1
+
+    def _seldom(self, topic: str, time_ns: Times, depth_m: Floats) -> Floats:
+        """What is told of a depth, the first of each second: tables repeat it from row to row."""
+        known = np.flatnonzero(np.isfinite(depth_m))
+        second = time_ns[known] // NS
+        told = known[np.diff(second, prepend=self._told_s.get(topic, -1)) != 0]
+        if len(known):
+            self._told_s[topic] = int(second[-1])
+        seldom = np.full_like(depth_m, np.nan)
+        seldom[told] = depth_m[told]
+        return seldom
 
 
 @dataclass(frozen=True)
