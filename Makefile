@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.up-to-date
 # All that is about kernels.
-INTERPRETED := $(filter-out %_gains.py %_sections.py %_wellpath.py, $(wildcard tests/test_estimator_*.py))
+INTERPRETED := $(filter-out %_gains.py %_sections.py %_sound.py %_wellpath.py, $(wildcard tests/test_estimator_*.py))
 
 .PHONY: demo test test-all test-interpreted check bench accuracy proto clean
 

@@ -71,7 +71,7 @@ def run_by_hand(config: Path) -> subprocess.CompletedProcess[str]:
 
 def test_what_waited_when_it_was_told_to_end_is_still_run(sensor: Daemon, rig: Post) -> None:
     """More comes at once than a turn may take; the word to end comes while the most of it waits."""
-    flood = samples(simulated(240), time.time_ns())
+    flood = samples(simulated(120), time.time_ns())
     rig.send(flood)
     time.sleep(0.5)  # all of it has come
     sensor.end(signal.SIGTERM)
