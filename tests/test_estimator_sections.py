@@ -68,6 +68,29 @@ def test_a_part_shorter_than_a_step_leaves_inertia_and_compliance_as_they_were()
     assert line.round_trip[0] / 2 * step == pytest.approx(delay, rel=0.05)
 
 
+@given(st.integers(1, 400), STEPS, st.floats(0.5, 300))
+def test_a_string_told_in_pieces_shorter_than_a_step_does_not_become_one_section(
+    pieces: int, step: float, section_length: float
+) -> None:
+    piece = PIPE.model_copy(update={"length": PIPE.length / pieces})
+    line = cut((piece,) * pieces, step, section_length)
+    assert line.impedance == pytest.approx(component.impedance(PIPE))
+    assert line.depth[-1] * step == pytest.approx(component.delay(PIPE))
+    longest = min(component.delay(piece), section_length / component.wave_speed(PIPE))
+    assert np.diff(line.depth).max() * step <= max(2 * step, longest) + step
+
+
+def test_what_is_left_goes_to_the_shorter_neighbour() -> None:
+    sub = Component(length=2, outer_diameter=0.2, inner_diameter=0.07)
+    for string in ((PIPE, sub, COLLAR), (COLLAR, sub, PIPE)):
+        impedances = cut(string, 2e-3, 3000).impedance
+        expected = [component.impedance(part) for part in string if part is not sub]
+        changed = [
+            z for z, was in zip(impedances, expected, strict=True) if z != pytest.approx(was, rel=1e-9)
+        ]
+        assert changed == [pytest.approx(component.impedance(COLLAR), rel=0.1)]
+
+
 def test_only_what_rubs_is_cut() -> None:
     assert len(cut((PIPE,), 1e-3, 300).impedance) == 5
     assert len(cut((COLLAR,), 1e-3, 50).impedance) == 1

@@ -164,12 +164,24 @@ def _part(piece: Component, kinetic: float, static: float) -> _Part:
 
 
 def _merged(parts: list[_Part], step_s: float) -> list[_Part]:
-    """Lump what is shorter than a step with its neighbour above, keeping inertia ζθ and compliance θ/ζ."""
-    merged: list[_Part] = []
+    """Lump what is shorter than a step, keeping inertia ζθ and compliance θ/ζ.
+
+    First with others that are, until they last one; what is left then with the shorter of its neighbours, so
+    that its inertia stays near where it is.
+    """
+    least = step_s * (1 - 1e-9)
+    rest: list[_Part] = []
     for part in parts:
-        if merged and min(merged[-1].delay, part.delay) < step_s * (1 - 1e-9):
-            part = _lump(merged.pop(), part)
-        merged.append(part)
+        short = rest and max(rest[-1].delay, part.delay) < least
+        rest.append(_lump(rest.pop(), part) if short else part)
+    merged: list[_Part] = []
+    for below, part in enumerate(rest, 1):
+        if part.delay >= least or len(rest) == 1:
+            merged.append(part)
+        elif below == len(rest) or (merged and merged[-1].delay <= rest[below].delay):
+            merged.append(_lump(merged.pop(), part))
+        else:
+            rest[below] = _lump(part, rest[below])
     return merged
 
 
