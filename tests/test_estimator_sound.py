@@ -72,7 +72,8 @@ HARM = [
     ("learned.law", 0, 1e9),
     ("learned.speeds", 0, 0.0),
     ("learned.scale", 0, -1.0),
-    ("learned.idle", 0, 2),
+    ("learned.idle", 0, 3),
+    ("learned.idle", 1, -1),
     ("surprise", 0, -1.0),
     ("steps", 0, -1.0),
     ("resolution", 0, np.nan),
@@ -85,6 +86,7 @@ HARM = [
     ("waves", 5, 1e300),
     ("innovation", 0, np.inf),
     ("held", 0, -1.0),
+    ("slips", 0, -1.0),
 ]
 
 

@@ -63,4 +63,5 @@ def test_flags_are_those_of_recorded_sessions() -> None:
         "STRING_CHANGED": 32,
         "FROZEN_TORQUE": 64,
         "FROZEN_SPEED": 128,
+        "IN_SLIPS": 256,
     }

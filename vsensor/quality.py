@@ -30,6 +30,8 @@ class Reason(IntFlag):
     """Torque repeats one value, to the last digit and longer than it ever does, while the speed moves."""
     FROZEN_SPEED = 1 << 7
     """Speed does, while the torque moves."""
+    IN_SLIPS = 1 << 8
+    """The string stands as it would not under this torque: slips hold it, and what it is twisted by."""
 
     def words(self) -> str:
         """The flags in plain words, comma separated; empty for none."""

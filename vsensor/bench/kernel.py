@@ -16,6 +16,7 @@ from vsensor.errors import VsensorError
 from vsensor.estimator import observe
 from vsensor.estimator.ahead import predict, reach, read_beyond
 from vsensor.estimator.along import keep_returned
+from vsensor.estimator.arrays import fill, flat
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.learn import load_in_force
 from vsensor.estimator.line import FADE_SPEED
@@ -23,7 +24,7 @@ from vsensor.estimator.ring import SPARE
 from vsensor.estimator.rise import rise
 from vsensor.estimator.score import HORIZONS
 from vsensor.estimator.sections import Floats
-from vsensor.estimator.state import NONE, Model, State, fill, flat, fresh, strand
+from vsensor.estimator.state import NONE, Model, State, fresh, strand
 from vsensor.jit import compiled
 
 RATE_HZ = 1000.0

@@ -22,6 +22,7 @@ KEPT = (
     "rock",
     "off_bottom",
     "held",
+    "slips",
     "innovation",
     "surprise",
     "rock_square",

@@ -10,6 +10,7 @@ from vsensor.config import Rig
 from vsensor.estimator import kernel
 from vsensor.estimator.abreast import WORTHWHILE, most_abreast, room_for
 from vsensor.estimator.along import SPEED, along, stations
+from vsensor.estimator.arrays import LEARNED, fill, flat, is_learned
 from vsensor.estimator.carry import carry
 from vsensor.estimator.known import Known
 from vsensor.estimator.learn import lose_sight
@@ -19,7 +20,7 @@ from vsensor.estimator.responses import TOLD_BIT_SPEED, TOLD_TOP_SPEED
 from vsensor.estimator.ring import mask_of
 from vsensor.estimator.sections import Floats, cut, junction_depths, steps_per_tick
 from vsensor.estimator.sound import refuse_unsound
-from vsensor.estimator.state import LEARNED, NONE, Model, State, fill, flat, fresh, heard, is_learned
+from vsensor.estimator.state import NONE, Model, State, fresh, heard
 from vsensor.estimator.tare import correct_by_tare
 from vsensor.estimator.tune import DELAY, EVERY_S, INERTIA, OFFSET, correct_delay, tuned
 

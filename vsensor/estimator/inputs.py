@@ -2,6 +2,8 @@
 
 from vsensor.estimator.noise import watch_steps
 from vsensor.estimator.readings import watch_readings
+from vsensor.estimator.setdown import expect_rock
+from vsensor.estimator.slips import watch_slips
 from vsensor.estimator.state import FLAGS, Model, State
 from vsensor.estimator.tune import OFFSET
 from vsensor.jit import inlined
@@ -25,7 +27,7 @@ def enter(model: Model, state: State, torque: float, speed: float, flags: int) -
     place = state.ticks[0] % state.inputs.shape[1]
     watch_steps(model, state, place)
     watch_readings(model, state, place)
-    return flags
+    return flags | watch_slips(model, state, place)
 
 
 @inlined
@@ -50,7 +52,7 @@ def follow_bit(model: Model, state: State, off: bool) -> None:
     count = state.off_bottom[0]
     state.off_bottom[0] = max(count, 0) + 1 if off else min(count, 0) - 1
     if state.ticks[0] == 0 or abs(state.off_bottom[0]) * model.steps >= model.now:
-        state.learned.idle[0] = 1 if off else 0
+        expect_rock(state.learned, off)
 
 
 @inlined

@@ -17,8 +17,11 @@ from vsensor.estimator.score import FORECAST as LAST
 from vsensor.estimator.score import HORIZONS, VALUE, expect, foretell, missed, score
 from vsensor.estimator.score import NOW as FIRST
 from vsensor.estimator.sections import Floats
+from vsensor.estimator.setdown import meets_rock
+from vsensor.estimator.slips import held_by_slips
 from vsensor.estimator.state import NONE, Model, State
 from vsensor.estimator.study import (
+    await_rock,
     confirmed_step,
     doubt_by_noise,
     foretold_for,
@@ -51,6 +54,7 @@ LOST = 1e4
 _WARMING_UP = int(Reason.WARMING_UP)
 _STALE = int(Reason.STALE_TORQUE | Reason.STALE_SPEED)
 _NOT_MEASURED = _WARMING_UP | _STALE
+_IN_SLIPS = int(Reason.IN_SLIPS)
 
 
 @compiled
@@ -142,8 +146,10 @@ def _take(model: Model, state: State, torque: float, speed: float, reasons: int,
         lose_sight(state.learned)
     elif state.off_bottom[0] > 0:
         study_wall(model, state)
-    else:
+    elif meets_rock(state.learned):
         study_rock(model, state)
+    else:
+        await_rock(model, state)
     if not doubts and (state.ticks[0] > SETTLED_S * model.rate or not model.learns):
         study_string(model, state)
     _expect(model, state, _kinds(reasons))
@@ -245,7 +251,9 @@ def _lay_out(model: Model, state: State, reasons: int, out: Floats) -> None:
     for q in range(2):
         out[CONFIRMED + 2 * q] = state.told[0, q, confirmed & mask_of(state.told.shape[2])]
         out[CONFIRMED + 2 * q + 1] = _doubt(model, state, q, confirmed)
-    _answer_top(model, state, out)
+    held = held_by_slips(state) if reasons & _IN_SLIPS else 0.0
+    out[CONFIRMED + TORQUE_STD] += held
+    _answer_top(model, state, held, out)
 
 
 @inlined
@@ -272,14 +280,14 @@ def _answer(state: State, tick: int, reasons: int, stick: float, out: Floats) ->
 
 
 @inlined
-def _answer_top(model: Model, state: State, out: Floats) -> None:
-    """The string's top at the time that is confirmed of the bit, and what noise and offset leave of doubt."""
+def _answer_top(model: Model, state: State, held: float, out: Floats) -> None:
+    """The string's top when the bit is confirmed, and what noise, offset and slips leave of doubt."""
     step = confirmed_step(model, state) - (model.now - model.behind * model.steps)
     at = step & mask_of(state.told.shape[2])
     for q in range(2):
         doubt = doubt_by_noise(model, state, 2 + q)
         if q == 1:
-            doubt += state.tuning.variance[OFFSET]
+            doubt += state.tuning.variance[OFFSET] + held
         _tell(out, TOP + 2 * q, state.told[0, 2 + q, at], doubt)
 
 

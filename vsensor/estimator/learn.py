@@ -76,7 +76,7 @@ class Learned(NamedTuple):
     stop: Integers
     """Ticks of the present stop, and the candidate in force, shape (2,)."""
     idle: Integers
-    """1 while the bit is off bottom and meets nothing, shape (1,)."""
+    """Whether the bit meets rock (setdown.py), and ticks for which nothing is learned of it, shape (2,)."""
 
 
 def fresh_law(bit: Bit) -> Learned:
@@ -95,13 +95,13 @@ def fresh_law(bit: Bit) -> Learned:
         fits=np.tile(guess, (candidates, 1)),
         scale=np.array([max(bit.kinetic_torque, 100.0), 0.0]),
         stop=np.array([0, nearest]),
-        idle=np.zeros(1, np.int64),
+        idle=np.zeros(2, np.int64),
     )
 
 
 @compiled
 def load_in_force(learned: Learned, inertia_rate: float) -> Load:
-    """The law as the kernels take it; none while the bit is off bottom."""
+    """The law as the kernels take it; none while the bit meets nothing."""
     if learned.idle[0]:
         return Load(0.0, 0.0, 0.0, 1.0, inertia_rate)
     law = learned.law

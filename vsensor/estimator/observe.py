@@ -31,11 +31,10 @@ from vsensor.estimator.ring import mask_of, room_of
 from vsensor.estimator.rise import rise
 from vsensor.estimator.score import VALUE
 from vsensor.estimator.sections import Floats, Integers, Line
+from vsensor.estimator.slips import REST_SPEED
 from vsensor.estimator.state import BIT, SPEED, TOP, TORQUE, Model, State, Strand, line_of, strand
 from vsensor.jit import compiled, inlined
 
-REST_SPEED = 0.2
-"""A string whose top turns more slowly than this (rad/s) at the start is taken to stand still."""
 WILD = 5.0
 """An innovation beyond so many deviations counts as one of so many (Huber 1964)."""
 SURPRISE_S = 2.0

@@ -15,6 +15,7 @@ from vsensor.estimator.learn import KINETIC, STATIC, Learned
 from vsensor.estimator.ring import room_of
 from vsensor.estimator.score import CHANGE, EXPECTED, VALUE, Scores
 from vsensor.estimator.sections import Floats
+from vsensor.estimator.setdown import AWAITED
 from vsensor.estimator.state import END, NEVER, NEXT, NONE, Model, State
 from vsensor.estimator.tune import BOUND, TARED, Tuning, fresh_tuning
 
@@ -50,13 +51,14 @@ MOVING = (
 def refuse_unsound(model: Model, settings: Settings, state: State) -> None:
     """Raise ValueError, naming the array and what would be right, where a state cannot be gone on with.
 
-    `model` as configured, before any correction. Shapes and types are right already (`state.fill`).
+    `model` as configured, before any correction. Shapes and types are right already (`arrays.fill`).
     """
     for name in MOVING:
         _within(name, getattr(state, name), -LARGEST, LARGEST)
     known = state.innovation[~np.isnan(state.innovation)]
     _within("innovation", known, -LARGEST, LARGEST)
     _within("held", state.held, 0, LARGEST)
+    _within("slips", state.slips, 0, LARGEST)
     _within("missing", state.missing, 0, 1)
     _within("surprise", state.surprise, 0, LARGEST**2)
     _within("unforeseen", state.unforeseen, 0, LARGEST**2)
@@ -108,7 +110,8 @@ def _learned(learned: Learned) -> None:
     _within("learned.right", learned.right, -SUMS, SUMS)
     _within("learned.square", learned.square, 0, SUMS)
     _within("learned.scale", learned.scale, 0, LARGEST)
-    _within("learned.idle", learned.idle, 0, 1)
+    _within("learned.idle", learned.idle[0], 0, AWAITED)
+    _within("learned.idle", learned.idle[1], 0, LONGEST)
 
 
 def _scores(scores: Scores) -> None:

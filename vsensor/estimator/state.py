@@ -1,11 +1,9 @@
 """What the estimator is, and what it remembers: plain arrays, laid out once."""
 
 import math
-from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vsensor.config import Bit
 from vsensor.config import Tuning as Settings
@@ -32,8 +30,6 @@ NONE = -1
 """There is no such march."""
 NEVER = -(1 << 62)
 """When a flag was seen that has not been raised."""
-LEARNED = ("scores", "learned", "tuning", "rock_square", "level", "resolution", "lasts", "white", "noisier")
-"""What stays when the waves are lost: these, and all within them."""
 FIRST_ROCK = 400.0
 """Torque of the rock beyond the load law, N·m, as it is taken to be at first."""
 
@@ -130,6 +126,8 @@ class State(NamedTuple):
     """Ticks for which the bit has been off bottom, or if negative, on it, shape (1,)."""
     held: Floats
     """Friction that resting parts of the wall may have held at each tick, N·m, a ring."""
+    slips: Floats
+    """Whether the string hangs in slips, and what of (slips.py), shape (3,)."""
     rock_square: Floats
     """Mean square of the rock's torque, (N·m)², shape (1,)."""
     level: Integers
@@ -242,6 +240,7 @@ def fresh(model: Model, bit: Bit, settings: Settings) -> State:
         surprise=np.ones(STRINGS),
         off_bottom=np.zeros(1, np.int64),
         held=np.zeros(model.lag + 1),
+        slips=np.zeros(3),
         rock_square=np.array([model.gains.levels[level] ** 2]),
         level=np.array([level]),
         steps=np.zeros((2, 3)),
@@ -267,34 +266,3 @@ def _first_level(levels: Floats, bit: Bit) -> int:
     """Which of the levels is in force at first: half of what is guessed to hold the bit, at the most."""
     most = FIRST_ROCK if bit.static_torque == 0 else min(FIRST_ROCK, 0.5 * bit.static_torque)
     return int(np.argmin(np.abs(np.log(levels / most))))
-
-
-def flat(state: State, wanted: Collection[str] = State._fields) -> dict[str, NDArray[np.generic]]:
-    """Copies of a state's arrays by name, those of an inner tuple as `learned.NAME`; of the wanted fields."""
-    named = {}
-    for name in wanted:
-        value = getattr(state, name)
-        if isinstance(value, np.ndarray):
-            named[name] = value.copy()
-        else:
-            named |= {f"{name}.{inner}": array.copy() for inner, array in value._asdict().items()}
-    return named
-
-
-def fill(state: State, saved: Mapping[str, NDArray[np.generic]]) -> None:
-    """Copy saved arrays into a state. Raises ValueError where one does not fit."""
-    for name, array in saved.items():
-        place: object = state
-        for part in name.split("."):
-            place = getattr(place, part)
-        if not isinstance(place, np.ndarray) or place.shape != array.shape or place.dtype != array.dtype:
-            asked = f"{place.dtype}{place.shape}" if isinstance(place, np.ndarray) else "nothing"
-            raise ValueError(
-                f"saved state: {name} is {array.dtype}{array.shape}, the configuration asks for {asked}"
-            )
-        place[...] = array
-
-
-def is_learned(name: str) -> bool:
-    """Whether an array of this name (see `flat`) stays when the waves are lost."""
-    return name.split(".")[0] in LEARNED
