@@ -191,6 +191,45 @@ def test_where_the_estimates_cannot_go_is_told_before_the_work(tmp_path: Path) -
         assert said in done.output.replace("\n", "")
 
 
+def test_what_was_refused_is_said_and_a_wrong_unit_guessed(tmp_path: Path) -> None:
+    readings = simulated(3)
+    torque = [reading.motor_torque for reading in readings]
+    rpm = [120.0 + reading.motor_speed for reading in readings]
+    (tmp_path / "rig.toml").write_text(effective_toml(SHORT))
+    for name, speeds in (("rpm", rpm), ("one", [1e3, *(reading.motor_speed for reading in readings[1:])])):
+        columns = {
+            "time_s": [r.time_s for r in readings],
+            "motor_torque_nm": torque,
+            "motor_speed_rad_s": speeds,
+        }
+        arrow_csv.write_csv(pa.table(columns), tmp_path / f"{name}.csv")
+    outputs = [tmp_path / "bit.csv", tmp_path / "bit.mcap"]
+    for output in outputs:
+        said = vsensor("estimate", tmp_path / "one.csv", tmp_path / "rig.toml", "-o", output).output
+        assert f"1 of {len(readings)} samples of surface/speed were refused: out of range 1" in said
+        assert "surface/torque" not in said
+        assert "unit" not in said
+    said = vsensor("estimate", tmp_path / "rpm.csv", tmp_path / "rig.toml", "-o", outputs[0]).output
+    assert "is the unit right?" in said
+
+
+def test_estimate_takes_rows_as_they_come_and_refuses_them_singly(tmp_path: Path) -> None:
+    rows = [f"{r.time_s:.2f},{r.motor_torque!r},{r.motor_speed!r}" for r in simulated(4)]
+    header = "time_s,motor_torque_nm,motor_speed_rad_s"
+    rows[120] = rows[120].rpartition(",")[0] + ",inf"
+    rows[140:142] = rows[141], rows[140]
+    rows.insert(160, rows[159])
+    (tmp_path / "log.csv").write_text("\n".join((header, *rows)))
+    (tmp_path / "rig.toml").write_text(effective_toml(SHORT))
+    done = vsensor("estimate", tmp_path / "log.csv", tmp_path / "rig.toml", "-o", tmp_path / "bit.parquet")
+    assert done.exit_code == 0, done.output
+    assert "surface/torque were refused: doubled 1, late 1" in done.output
+    assert "surface/speed were refused: not finite 1, doubled 1, late 1" in done.output
+    assert len(parquet.read_table(tmp_path / "bit.parquet")) == len(rows) - 1
+    done = vsensor("import", tmp_path / "log.csv", "-o", tmp_path / "a.mcap")
+    assert "line 143: time_s is 2.82 s after 2.84 s" in done.output
+
+
 def test_without_the_forecast_all_else_stays_the_same(tmp_path: Path) -> None:
     """From a table and from a session whose sensor had shed its forecast for a while; into either."""
     feed = samples(simulated(6))

@@ -95,7 +95,7 @@ def _feed(source: Path, forecast: bool, sensor: "Offline | None" = None) -> "Fee
         yield from feed(Session(source), obeyed, *settling)
         return
     torque, speed = 0, 0
-    for table in surface_pieces(source):
+    for table in surface_pieces(source, as_it_came=True):
         first = torque, speed
         yield Arrivals.in_turn(table.time_ns, table.motor_torque_nm, table.motor_speed_rad_s, first)
         torque, speed = torque + table.samples[0], speed + table.samples[1]
@@ -139,6 +139,7 @@ def _to_table(rig: Rig, source: Path, output: Path, forecast: bool, console: Con
     with TableWriter(output, tuple(ESTIMATE_FIELDS)) as writer:
         for columns in sensor.estimates(_feed(source, forecast, sensor)):
             writer.write(columns)
+        _tell_refused(sensor, rig, console)
         if writer.rows == 0:
             raise _no_tick(source)
     return writer.rows
@@ -169,9 +170,27 @@ def _to_session(rig: Rig, source: Path, output: Path, forecast: bool, console: C
                 writer.write(SENSOR_TICK, tick.SerializeToString(), tick.time_ns, tick.time_ns)
                 writer.write(BIT_ESTIMATE, told.SerializeToString(), tick.time_ns, tick.time_ns)
                 ticks += 1
+        _tell_refused(engine, rig, console)
         if ticks == 0:
             raise _no_tick(source)
     return ticks
+
+
+def _tell_refused(sensor: "Engine | Offline", rig: Rig, console: Console) -> None:
+    """Say what was not used; where it was most of a channel, what is likely the matter."""
+    from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE
+    from vsensor.messages.books import refused, words
+
+    most = {
+        SURFACE_TORQUE: f"{rig.measurement.torque_limit:g} N·m",
+        SURFACE_SPEED: f"{rig.measurement.speed_limit:g} rad/s",
+    }
+    for topic, channel in sensor.intake.channels.items():
+        counts = channel.counts
+        if refused(counts):
+            said = f"{refused(counts)} of {counts.received} samples of {topic} were refused: {words(counts)}"
+            wrong = counts.out_of_range > counts.accepted
+            console.print(f"{said}; at most {most[topic]} is believed: is the unit right?" if wrong else said)
 
 
 def _no_tick(source: Path) -> InputError:

@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from vsensor.messages import Estimate, Event, Message, Status
-from vsensor.messages.books import REFUSALS, refused
+from vsensor.messages.books import refused, words
 from vsensor.messages.states import INPUT_LOST, RUNNING, STANDING_BY, STARTING, WAITING, WARMING_UP
 from vsensor.quality import Quality, Reason
 from vsensor.units import factor
@@ -108,15 +108,10 @@ class Panel:
 def _inputs(status: Status) -> RenderableType:
     table = _table("input", "accepted", "refused", "lost", "age", "refused for")
     for channel in status.channels:
-        reasons = ", ".join(
-            f"{reason.replace('_', ' ')} {count}"
-            for reason in REFUSALS
-            if (count := getattr(channel, reason))
-        )
         age = f"{channel.age_s:.2f} s" if channel.HasField("age_s") else "never"
         bad = bool(refused(channel) or channel.lost)
         counts = (f"{channel.accepted:,}", f"{refused(channel):,}", f"{channel.lost:,}")
-        table.add_row(channel.channel, *counts, age, reasons, style="yellow" if bad else "")
+        table.add_row(channel.channel, *counts, age, words(channel), style="yellow" if bad else "")
     if status.restarts:
         table.add_row("began anew", f"{status.restarts}", "", "", "", "a long gap, or a clock that was set")
     return table

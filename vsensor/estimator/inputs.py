@@ -51,8 +51,9 @@ def follow_bit(model: Model, state: State, off: bool) -> None:
     """Count since when the bit has been off bottom; the model's own is a travel time behind."""
     count = state.off_bottom[0]
     state.off_bottom[0] = max(count, 0) + 1 if off else min(count, 0) - 1
-    if state.ticks[0] == 0 or abs(state.off_bottom[0]) * model.steps >= model.now:
-        expect_rock(state.learned, off)
+    first = state.ticks[0] == 0
+    if first or abs(state.off_bottom[0]) * model.steps >= model.now:
+        expect_rock(state.learned, off, first)
 
 
 @inlined

@@ -4,7 +4,7 @@ A clearance is left, and weight comes on over seconds. What the bit meets meanwh
 the law of before is kept, not in force and not learned, until the torque says that it holds again.
 """
 
-from vsensor.estimator.learn import LATELY_S, SLIDING, Learned
+from vsensor.estimator.learn import LATELY_S, SLIDING, Learned, weight_of
 from vsensor.estimator.load import Load, law
 from vsensor.jit import inlined
 
@@ -17,10 +17,12 @@ PATIENCE_S = 30.0
 
 
 @inlined
-def expect_rock(learned: Learned, off: bool) -> None:
-    """Hear that the bit is off bottom, or is not."""
+def expect_rock(learned: Learned, off: bool, first: bool) -> None:
+    """Hear that the bit is off bottom, or is not; at the `first` tick of a record that says all."""
     if off:
         learned.idle[0] = FREE
+    elif first:
+        learned.idle[0] = MET
     elif learned.idle[0] == FREE:
         learned.idle[0] = AWAITED
 
@@ -35,7 +37,8 @@ def meets_rock(learned: Learned) -> bool:
 def look_for_rock(learned: Learned, speed: float, torque: float, waited: float, rate: float) -> None:
     """Take a confirmed pair of a bit that has been told to be on bottom for `waited` seconds.
 
-    Once it is there, weight still comes on for a while: nothing is learned for as long as the shorter memory.
+    Once it is there, weight still comes on for a while: a law that was learned is kept for as long as the
+    shorter memory, while a mere guess has nothing to lose.
     """
     if learned.idle[0] != AWAITED:
         return
@@ -43,7 +46,7 @@ def look_for_rock(learned: Learned, speed: float, torque: float, waited: float, 
     expected = law(Load(viscous, kinetic, static, stribeck, 0.0), max(abs(speed), SLIDING))
     if abs(torque) >= SHARE * expected or waited > PATIENCE_S:
         learned.idle[0] = MET
-        learned.idle[1] = int(LATELY_S * rate)
+        learned.idle[1] = int(LATELY_S * rate) if weight_of(learned) > LATELY_S * rate else 0
 
 
 @inlined

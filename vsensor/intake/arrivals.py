@@ -40,7 +40,7 @@ class Arrivals(NamedTuple):
         Where a channel is NaN it has no sample.
         """
         value = np.column_stack((torque, speed))
-        known = np.isfinite(value)
+        known = ~np.isnan(value)
         number = (np.array(first, np.int64) + np.cumsum(known, axis=0) - 1).astype(np.uint64)
         count = int(known.sum())
         return Arrivals(

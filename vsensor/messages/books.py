@@ -23,3 +23,9 @@ LOSSES = ("lost", *REFUSALS)
 def refused(channel: ChannelStatus) -> int:
     """How many samples of a channel were refused."""
     return sum(getattr(channel, reason) for reason in REFUSALS)
+
+
+def words(channel: ChannelStatus) -> str:
+    """For which reasons, and how many each: "late 3, strays 1"."""
+    counts = ((reason, getattr(channel, reason)) for reason in REFUSALS)
+    return ", ".join(f"{reason.replace('_', ' ')} {count}" for reason, count in counts if count)

@@ -28,22 +28,28 @@ def numbers(values: pa.Array) -> Floats:
 
 
 def measured(values: pa.Array) -> Floats:
-    """What was measured, NaN where a cell is empty or says so. Raises BadCellError for what is no number."""
+    """What was measured, NaN where a cell is empty or says so. Raises BadCellError for what is none."""
+    found = told(values)
+    _refuse(np.isinf(found), found)
+    return found
+
+
+def told(values: pa.Array) -> Floats:
+    """The same of a source that may say that it is infinite. Raises BadCellError for what is no number."""
     values = _plain(values)
     if pa.types.is_string(values.type):
-        told = as_floats(values)
-        if told is None:
+        of_text = as_floats(values)
+        if of_text is None:
             row, text = next((i, v) for i, v in enumerate(values.to_pylist()) if not _is_number(v))
             asked = "a finite number"
             if _WITH_COMMA.fullmatch(text):
                 asked += f" with a point, such as {text.replace(',', '.')},"
             raise BadCellError(row, f"is {text!r}: {asked} was expected")
-        found = told
+        found = of_text
     elif is_number(values.type) or pa.types.is_null(values.type):
         found = values.cast(pa.float64(), safe=False).to_numpy(zero_copy_only=False)
     else:
         raise BadCellError(0, f"is of type {values.type}: a finite number was expected")
-    _refuse(np.isinf(found), found)
     return found
 
 

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Self
@@ -19,7 +19,7 @@ from vsensor.messages import (
     SURFACE_TORQUE,
     Sample,
 )
-from vsensor.tables.cells import BadCellError, Floats, measured, numbers
+from vsensor.tables.cells import BadCellError, Floats, measured, numbers, told
 from vsensor.tables.sources import Source, source_of
 from vsensor.tables.times import IN_SECONDS, TimeForm, Times
 from vsensor.units import factor
@@ -63,7 +63,10 @@ PLAIN = Layout()
 
 @dataclass(frozen=True, slots=True)
 class SurfaceTable:
-    """What a rig measured, SI; n rows, time strictly increasing, NaN where a channel has no sample."""
+    """What a rig measured, SI; n rows, NaN where a channel has no sample.
+
+    Time increases from row to row, and all else is finite, but where rows were taken as they came.
+    """
 
     time_ns: Times
     motor_torque_nm: Floats
@@ -86,7 +89,7 @@ class SurfaceTable:
     @property
     def samples(self) -> tuple[int, int]:
         """How many there are of torque, and of speed."""
-        torque, speed = (int(np.isfinite(v).sum()) for v in (self.motor_torque_nm, self.motor_speed_rad_s))
+        torque, speed = (int((~np.isnan(v)).sum()) for v in (self.motor_torque_nm, self.motor_speed_rad_s))
         return torque, speed
 
     def __len__(self) -> int:
@@ -103,11 +106,14 @@ def read_surface(path: Path, layout: Layout = PLAIN) -> SurfaceTable:
     )
 
 
-def surface_pieces(path: Path, layout: Layout = PLAIN, *, whole: bool = False) -> Iterator[SurfaceTable]:
+def surface_pieces(
+    path: Path, layout: Layout = PLAIN, *, whole: bool = False, as_it_came: bool = False
+) -> Iterator[SurfaceTable]:
     """Read a surface table from .csv, .parquet, .feather, .arrow or .arrows, thousands of rows at a time.
 
     An empty cell, or NaN, is a channel without a sample at that time; where rows must be `whole`, one
-    of torque or speed is a fault.
+    of torque or speed is a fault. Rows out of order and infinite values are faults, too, but not where all is
+    taken `as_it_came`: for the intake, which refuses samples one by one, and counts them.
     Raises InputError naming the line (CSV, the header being line 1) or row (others) at fault, ConfigError
     for a unit that does not measure what the column holds, or another kind of file.
     """
@@ -123,11 +129,11 @@ def surface_pieces(path: Path, layout: Layout = PLAIN, *, whole: bool = False) -
             continue
         reader = _Batch(source, row, batch)
         time_ns = reader.times(layout)
-        reader.check_times(layout.time, time_ns, last_ns)
-        values = (reader.values(name, whole) for name in (layout.torque, layout.speed))
-        depths = {
-            topic: reader.values(name, whole=False) * depth_scale for topic, name in layout.depths.items()
-        }
+        if not as_it_came:
+            reader.check_times(layout.time, time_ns, last_ns)
+        read = numbers if whole else told if as_it_came else measured
+        values = (reader.values(name, read) for name in (layout.torque, layout.speed))
+        depths = {topic: reader.values(name, measured) * depth_scale for topic, name in layout.depths.items()}
         torque, speed = (value * scale for value, scale in zip(values, scales, strict=True))
         yield SurfaceTable(time_ns, torque, speed, depths)
         row, last_ns = row + batch.num_rows, int(time_ns[-1])
@@ -162,11 +168,11 @@ class SurfaceSamples:
         """What is told of a depth, the first of each second: tables repeat it from row to row."""
         known = np.flatnonzero(np.isfinite(depth_m))
         second = time_ns[known] // NS
-        told = known[np.diff(second, prepend=self._told_s.get(topic, -1)) != 0]
+        first = known[np.diff(second, prepend=self._told_s.get(topic, -1)) != 0]
         if len(known):
             self._told_s[topic] = int(second[-1])
         seldom = np.full_like(depth_m, np.nan)
-        seldom[told] = depth_m[told]
+        seldom[first] = depth_m[first]
         return seldom
 
 
@@ -178,9 +184,9 @@ class _Batch:
     first: int
     rows: pa.RecordBatch
 
-    def values(self, name: str, whole: bool) -> Floats:
+    def values(self, name: str, read: Callable[[pa.Array], Floats]) -> Floats:
         try:
-            return (numbers if whole else measured)(self.rows.column(name))
+            return read(self.rows.column(name))
         except BadCellError as bad:
             raise self._fault(bad.row, name, str(bad)) from bad
 
