@@ -143,6 +143,14 @@ def test_a_fault_says_where_and_what_would_be_right(text: str, fault: str) -> No
             RIG + PIPE + 'tool_joint_diameter = "4.5 in"',
             "string[1]: tool_joint_diameter 0.1143 m must be at least outer_diameter 0.127 m",
         ),
+        (
+            RIG + PIPE + 'tool_joint_bore = "5 in"',
+            "string[1]: tool_joint_bore 0.127 m must be smaller than tool_joint_diameter 0.127 m",
+        ),
+        (
+            RIG + PIPE + 'tool_joint_length = "32 ft"',
+            "string[1]: tool_joint_length 9.7536 m must be less than joint_length 9.45 m",
+        ),
         (RIG + PIPE + survey((9, 0, 0)) + WELLBORE, "survey: one station makes no path: write two or more"),
         (
             RIG + PIPE + survey((0, 0, 0), (900, 9, 0), (900, 12, 0)) + WELLBORE,

@@ -1,7 +1,16 @@
-"""Parts of kernels are called by kernels alone: a call from Python would end the process without a word."""
+"""Parts of kernels are called by kernels alone: a call from Python would end the process without a word.
+
+And all that Python calls is compiled before a daemon says that it is ready.
+"""
 
 import ast
+import subprocess
+import sys
 from pathlib import Path
+
+import pytest
+
+from vsensor.jit import COMPILED
 
 ROOT = Path(__file__).parents[1]
 MODULES = {
@@ -61,3 +70,42 @@ def test_such_a_call_would_be_found() -> None:
     by_module = ast.parse("from vsensor.estimator import inputs\ndef f():\n    inputs.enter(1)")
     for module in (by_name, by_module):
         assert called_from_python("any", module) == {("vsensor.estimator.inputs", "enter")}
+
+
+LIFE = """
+import importlib, pkgutil
+from numba.core.registry import CPUDispatcher
+from tests.rigs import SHORT, samples, simulated
+from vsensor import estimator
+from vsensor.estimator.known import Known
+from vsensor.service.engine import Engine
+from vsensor.service.profile import Profiler
+
+def compiled():
+    names = (module.name for module in pkgutil.iter_modules(estimator.__path__))
+    modules = [importlib.import_module(f"vsensor.estimator.{name}") for name in names]
+    kernels = {k for m in modules for k in vars(m).values() if isinstance(k, CPUDispatcher)}
+    return {k.py_func.__name__ for k in kernels if k.signatures}
+
+feed = samples(simulated(6))
+engine = Engine(SHORT)
+Profiler(SHORT, engine.estimator)
+ready = compiled()
+for topic, sample in feed:
+    for tick, _ in engine.take(topic, sample):
+        if tick.number == 150:
+            engine.estimator.lengthen(9.0)
+for name, asked in vars(Known).items():
+    if isinstance(asked, property):
+        getattr(engine.estimator, name)
+engine.estimator.profile()
+engine.estimator.save()
+print(sorted(compiled() - ready))
+"""
+
+
+@pytest.mark.skipif(not COMPILED, reason="nothing is compiled")
+def test_all_that_is_called_while_it_runs_is_compiled_at_the_start() -> None:
+    """A minute's work of the compiler once held up a loop that had said it was ready."""
+    done = subprocess.run([sys.executable, "-c", LIFE], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert done.stdout == "[]\n"

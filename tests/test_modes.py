@@ -26,6 +26,30 @@ def bar(impedance: float, length: float) -> Component:
     )
 
 
+BODY, JOINT = (9.0, 0.127, 0.1086), (0.5, 0.168, 0.083)
+"""Length, outer and inner diameter of a joint of drill pipe, and of its pin and box."""
+
+
+def test_pipe_with_tool_joints_rings_as_its_joints_one_by_one() -> None:
+    part = (
+        Component(length=length, outer_diameter=outer, inner_diameter=inner)
+        for length, outer, inner in (BODY, JOINT)
+    )
+    one_by_one = torsional_modes((*part,) * 200, 0.0, 8)
+    told = Component(
+        length=200 * (BODY[0] + JOINT[0]),
+        outer_diameter=BODY[1],
+        inner_diameter=BODY[2],
+        tool_joint_diameter=JOINT[1],
+        tool_joint_bore=JOINT[2],
+        tool_joint_length=JOINT[0],
+        joint_length=BODY[0] + JOINT[0],
+    )
+    assert torsional_modes((told,), 0.0, 8) == pytest.approx(one_by_one, rel=2e-3)
+    of_body = torsional_modes((told.model_copy(update={"tool_joint_length": 0.0}),), 0.0, 8)
+    assert np.all(of_body > 1.05 * one_by_one)
+
+
 strings = st.lists(st.builds(bar, st.floats(50, 5000), st.floats(5, 3000)), min_size=1, max_size=6)
 inertias = st.one_of(st.just(0.0), st.floats(1e-3, 1e4))
 tops: st.SearchStrategy[Literal["held", "free"]] = st.sampled_from(["held", "free"])

@@ -26,7 +26,7 @@ from vsensor.config.schema import (
 
 
 class Component(Table):
-    """One part of the string, of constant cross section: drill pipe, collar, stabiliser."""
+    """One part of the string, of one cross section but for tool joints: drill pipe, collar, stabiliser."""
 
     name: str = Field(default="pipe", min_length=1)
     length: Length = Field(description='a length such as "1502.54 m"')
@@ -38,6 +38,9 @@ class Component(Table):
     coulomb_friction: TorquePerLength = 0.0
     static_friction: TorquePerLength = Field(default_factory=lambda given: given["coulomb_friction"])
     tool_joint_diameter: Length = Field(default_factory=lambda given: given["outer_diameter"])
+    tool_joint_bore: Bore = Field(default_factory=lambda given: given["inner_diameter"])
+    tool_joint_length: Bore = Field(default=0.0, description='pin and box of a joint, such as "21 in", or 0')
+    joint_length: Length = Field(default=9.45, description='from shoulder to shoulder, such as "31 ft"')
     torsional_strength: TorqueLimit | None = None
     make_up_torque: TorqueLimit | None = None
     tensile_strength: ForceLimit | None = None
@@ -53,6 +56,16 @@ class Component(Table):
             raise ValueError(
                 f"tool_joint_diameter {self.tool_joint_diameter:g} m must be at least "
                 f"outer_diameter {self.outer_diameter:g} m"
+            )
+        if self.tool_joint_bore >= self.tool_joint_diameter:
+            raise ValueError(
+                f"tool_joint_bore {self.tool_joint_bore:g} m must be smaller than "
+                f"tool_joint_diameter {self.tool_joint_diameter:g} m"
+            )
+        if self.tool_joint_length >= self.joint_length:
+            raise ValueError(
+                f"tool_joint_length {self.tool_joint_length:g} m must be less than "
+                f"joint_length {self.joint_length:g} m"
             )
         if self.static_friction < self.coulomb_friction:
             raise ValueError(

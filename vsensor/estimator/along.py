@@ -23,7 +23,7 @@ import numpy as np
 
 from vsensor.config import Component
 from vsensor.estimator.line import rubbing
-from vsensor.estimator.ring import mask_of, room_of
+from vsensor.estimator.ring import mask_of
 from vsensor.estimator.sections import Floats, Integers, Line
 from vsensor.jit import compiled, inlined
 
@@ -194,7 +194,7 @@ def _weighted(gains: Floats, steps: int, innovations: Floats) -> float:
 
 def catch_up(heard: Heard, waves: Floats, returned: Floats) -> None:
     """Correct all waves, (M, size) each, by what was heard of them so far."""
-    size, lag = room_of(waves.shape[1]), heard.of_waves.shape[2]
+    size, lag = mask_of(waves.shape[1]) + 1, heard.of_waves.shape[2]
     late = np.arange(lag) < lag - heard.inside[:, None]
     for before in range(min(len(heard.innovations), -(-size // heard.steps))):
         at = (heard.newest - before) % len(heard.innovations)

@@ -1,4 +1,8 @@
-"""What a component of the string is to a torsional wave (physics of a uniform shaft)."""
+"""What a component of the string is to a torsional wave (physics of a uniform shaft).
+
+Pipe with tool joints is thick at every few metres. To waves much longer than a joint it is a uniform shaft
+with the same inertia and the same compliance per metre; what parts the two lies beyond 100 Hz.
+"""
 
 import math
 
@@ -9,13 +13,15 @@ GRAVITY = 9.80665
 
 
 def polar_moment(part: Component) -> float:
-    """Second polar moment of the cross section, J = π/2 (ro⁴ − ri⁴), in m⁴."""
+    """Second polar moment of the body's cross section, J = π/2 (ro⁴ − ri⁴), in m⁴."""
     return math.pi / 32 * (part.outer_diameter**4 - part.inner_diameter**4)
 
 
 def cross_section(part: Component) -> float:
-    """Area of steel in the cross section, A = π (ro² − ri²), in m²."""
-    return math.pi / 4 * (part.outer_diameter**2 - part.inner_diameter**2)
+    """Area of steel in the cross section, A = π (ro² − ri²), in m²; with tool joints, over their length."""
+    body = math.pi / 4 * (part.outer_diameter**2 - part.inner_diameter**2)
+    joint = math.pi / 4 * (part.tool_joint_diameter**2 - part.tool_joint_bore**2)
+    return body * (1 + _share(part) * (joint / body - 1))
 
 
 def buoyed_weight(part: Component, mud_density: float) -> float:
@@ -24,13 +30,17 @@ def buoyed_weight(part: Component, mud_density: float) -> float:
 
 
 def wave_speed(part: Component) -> float:
-    """Speed of a torsional wave, c = √(G/ρ), in m/s."""
-    return math.sqrt(part.shear_modulus / part.density)
+    """Speed of a torsional wave, c = √(G/ρ), in m/s; with tool joints 1/√(inertia · compliance) per metre."""
+    return math.sqrt(part.shear_modulus / part.density) / math.sqrt(_heavier(part) * _softer(part))
 
 
 def impedance(part: Component) -> float:
-    """Torsional impedance ζ = J √(ρG) in N·m·s/rad: torque over speed in a wave (the paper's ξ)."""
-    return polar_moment(part) * math.sqrt(part.density * part.shear_modulus)
+    """Torsional impedance ζ = J √(ρG) in N·m·s/rad: torque over speed in a wave (the paper's ξ).
+
+    With tool joints √(inertia / compliance) per metre.
+    """
+    of_body = polar_moment(part) * math.sqrt(part.density * part.shear_modulus)
+    return of_body * math.sqrt(_heavier(part) / _softer(part))
 
 
 def stress_of_torque(part: Component) -> float:
@@ -45,9 +55,31 @@ def delay(part: Component) -> float:
 
 def inertia(part: Component) -> float:
     """Whole moment of inertia ρJL about the axis, in kg·m²."""
-    return part.density * polar_moment(part) * part.length
+    return part.density * polar_moment(part) * part.length * _heavier(part)
 
 
 def stiffness(part: Component) -> float:
     """Static torsional stiffness GJ/L, in N·m/rad."""
-    return part.shear_modulus * polar_moment(part) / part.length
+    return part.shear_modulus * polar_moment(part) / part.length / _softer(part)
+
+
+def _share(part: Component) -> float:
+    """What share of the length is tool joint."""
+    return part.tool_joint_length / part.joint_length
+
+
+def _thicker(part: Component) -> float:
+    """A tool joint's polar moment over the body's."""
+    return (part.tool_joint_diameter**4 - part.tool_joint_bore**4) / (
+        part.outer_diameter**4 - part.inner_diameter**4
+    )
+
+
+def _heavier(part: Component) -> float:
+    """Inertia per metre over the body's, 1 without tool joints."""
+    return 1 + _share(part) * (_thicker(part) - 1)
+
+
+def _softer(part: Component) -> float:
+    """Compliance per metre over the body's, 1 without tool joints."""
+    return 1 + _share(part) * (1 / _thicker(part) - 1)

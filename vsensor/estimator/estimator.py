@@ -84,6 +84,7 @@ class Estimator(Known):
         # Compiled, or loaded, here: never at the first tick.
         self._advance(self._one.part(0, 0))
         self.profile()
+        self.restart()
 
     def _lay_out(self) -> None:
         rig = self._rig

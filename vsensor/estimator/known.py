@@ -4,10 +4,10 @@ import numpy as np
 
 from vsensor.config import Bit, Component, Rig
 from vsensor.estimator.gains import Gains
-from vsensor.estimator.noise import coarseness
+from vsensor.estimator.noise import SHARES
 from vsensor.estimator.responses import TOLD_TOP_SPEED
 from vsensor.estimator.sections import Floats, Line
-from vsensor.estimator.state import SPEED, TORQUE, Model, State
+from vsensor.estimator.state import Model, State
 
 
 class Known:
@@ -77,9 +77,8 @@ class Known:
 
         0 where none are seen, or where they do not count beside the noise that was told.
         """
-        model, state = self._model, self._state
-        counts = [coarseness(model, state, channel) > 1 for channel in (TORQUE, SPEED)]
-        return np.where(counts, state.resolution, 0.0)
+        steps = self._state.resolution
+        return np.where(np.multiply(SHARES, steps) > self._model.noise, steps, 0.0)
 
     @property
     def bandwidth(self) -> float:

@@ -20,7 +20,7 @@ import math
 
 from vsensor.estimator.rock import choose_level
 from vsensor.estimator.state import SPEED, TORQUE, Model, State
-from vsensor.jit import compiled, inlined
+from vsensor.jit import inlined
 
 CHANGES = 20
 """After so many changes, by chance they would not all be multiples of one step,"""
@@ -74,7 +74,7 @@ def judge_noise(model: Model, state: State, past: int) -> None:
         apart = one - 2.0 * other + third
         square = apart * apart / (6.0 * model.gains.innovation[state.level[0]])
         state.white[0] += (square - state.white[0]) / (MEMORY_S * model.rate)
-    torque, speed = coarseness(model, state, TORQUE), coarseness(model, state, SPEED)
+    torque, speed = _coarseness(model, state, TORQUE), _coarseness(model, state, SPEED)
     least = SURELY if state.noisier[0] == 1.0 else NO_MORE
     white = state.white[0] if state.white[0] > least else 1.0
     noisier = max(white, torque * torque, speed * speed, state.lasts[0])
@@ -83,8 +83,8 @@ def judge_noise(model: Model, state: State, past: int) -> None:
         choose_level(model, state)
 
 
-@compiled
-def coarseness(model: Model, state: State, channel: int) -> float:
+@inlined
+def _coarseness(model: Model, state: State, channel: int) -> float:
     """By what a channel is noisier for its steps than was told; less than 1 where they do not matter."""
     return float(SHARES[channel] * state.resolution[channel] / model.noise[channel])
 
