@@ -1,6 +1,6 @@
 """A string that hangs in slips: its top stands, and what it is twisted by is no torque of the motor's.
 
-A drive that holds the string still tells the torque of it. Slips do too, unseen: the driller lets the torque
+A drive that holds the string tells of its torque. Slips hold it and tell nothing: the driller lets the torque
 off, and the top stands though the string, as it was, would turn it back. That is what tells the two apart.
 """
 
