@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsensor.errors import ConfigError
+from vsensor.messages import SURFACE_BIT_DEPTH
 from vsensor.tables import SurfaceTable
 from vsensor.tables.resample import resampled
 
@@ -39,6 +40,32 @@ def test_a_line_stays_a_line_however_it_is_cut(steps: list[int], rows: int) -> N
     np.testing.assert_allclose(
         np.concatenate([p.motor_speed_rad_s for p in pieces]), times / MS * -2.0, atol=1e-9
     )
+
+
+@given(st.lists(st.booleans(), min_size=9, max_size=90), st.integers(8, 100))
+def test_each_depth_is_told_once_as_soon_as_there_is_a_row(known: list[bool], rows: int) -> None:
+    """Of rows at 100 Hz on a grid of 40: one that was told between two may not be lost."""
+    depth = np.where(known, np.arange(len(known)) + 1000.0, np.nan)
+    times = 10 * np.arange(len(known))
+    whole = table(times.tolist())
+    parts = (slice(start, start + rows) for start in range(0, len(whole), rows))
+    pieces = (
+        SurfaceTable(
+            whole.time_ns[part],
+            whole.motor_torque_nm[part],
+            whole.motor_speed_rad_s[part],
+            {SURFACE_BIT_DEPTH: depth[part]},
+        )
+        for part in parts
+    )
+    laid = [piece for piece in resampled(pieces, "40 Hz") if len(piece)]
+    told = np.concatenate([piece.depths_m[SURFACE_BIT_DEPTH] for piece in laid])
+    at = np.concatenate([piece.time_ns for piece in laid])[np.isfinite(told)] / MS
+    found = told[np.isfinite(told)]
+    assert np.all(np.diff(found) > 0)
+    assert np.all(np.abs(at - 10 * (found - 1000)) < 25)
+    for time in times[known]:
+        assert time > laid[-1].time_ns[-1] / MS or np.abs(at - time).min() < 25
 
 
 def test_nothing_is_made_up_in_a_hole() -> None:

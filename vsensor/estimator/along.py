@@ -194,6 +194,7 @@ def _weighted(gains: Floats, steps: int, innovations: Floats) -> float:
 
 def catch_up(heard: Heard, waves: Floats, returned: Floats) -> None:
     """Correct all waves, (M, size) each, by what was heard of them so far."""
+    # room_of would be compiled here, while the string is made longer; mask_of has been long before.
     size, lag = mask_of(waves.shape[1]) + 1, heard.of_waves.shape[2]
     late = np.arange(lag) < lag - heard.inside[:, None]
     for before in range(min(len(heard.innovations), -(-size // heard.steps))):

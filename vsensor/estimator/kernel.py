@@ -251,9 +251,9 @@ def _lay_out(model: Model, state: State, reasons: int, out: Floats) -> None:
     for q in range(2):
         out[CONFIRMED + 2 * q] = state.told[0, q, confirmed & mask_of(state.told.shape[2])]
         out[CONFIRMED + 2 * q + 1] = _doubt(model, state, q, confirmed)
-    held = held_by_slips(state) if reasons & _IN_SLIPS else 0.0
-    out[CONFIRMED + TORQUE_STD] += held
-    _answer_top(model, state, held, out)
+    by_slips = held_by_slips(state) if reasons & _IN_SLIPS else 0.0
+    out[CONFIRMED + TORQUE_STD] += by_slips
+    _answer_top(model, state, by_slips, out)
 
 
 @inlined
@@ -280,14 +280,14 @@ def _answer(state: State, tick: int, reasons: int, stick: float, out: Floats) ->
 
 
 @inlined
-def _answer_top(model: Model, state: State, held: float, out: Floats) -> None:
+def _answer_top(model: Model, state: State, by_slips: float, out: Floats) -> None:
     """The string's top when the bit is confirmed, and what noise, offset and slips leave of doubt."""
     step = confirmed_step(model, state) - (model.now - model.behind * model.steps)
     at = step & mask_of(state.told.shape[2])
     for q in range(2):
         doubt = doubt_by_noise(model, state, 2 + q)
         if q == 1:
-            doubt += state.tuning.variance[OFFSET] + held
+            doubt += state.tuning.variance[OFFSET] + by_slips
         _tell(out, TOP + 2 * q, state.told[0, 2 + q, at], doubt)
 
 

@@ -77,7 +77,9 @@ class Known:
 
         0 where none are seen, or where they do not count beside the noise that was told.
         """
-        steps = self._state.resolution
+        steps = (
+            self._state.resolution
+        )  # judged as in noise.py; a kernel for it would be compiled when asked first
         return np.where(np.multiply(SHARES, steps) > self._model.noise, steps, 0.0)
 
     @property

@@ -18,7 +18,7 @@ PATIENCE_S = 30.0
 
 @inlined
 def expect_rock(learned: Learned, off: bool, first: bool) -> None:
-    """Hear that the bit is off bottom, or is not; at the `first` tick of a record that says all."""
+    """Hear that the bit is off bottom, or is not; at the `first` tick it may have drilled for long."""
     if off:
         learned.idle[0] = FREE
     elif first:
@@ -50,7 +50,7 @@ def look_for_rock(learned: Learned, speed: float, torque: float, waited: float, 
 
 
 @inlined
-def may_learn(learned: Learned) -> bool:
-    """Whether what the bit meets is what it drills; asked once a tick."""
+def wait_for_weight(learned: Learned) -> bool:
+    """Let a tick of the time pass in which weight comes on; whether it is over."""
     learned.idle[1] = max(learned.idle[1] - 1, 0)
     return bool(learned.idle[1] == 0)

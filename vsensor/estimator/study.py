@@ -5,7 +5,7 @@ from vsensor.estimator.responses import TOLD_BIT_SPEED, TOLD_BIT_TORQUE, TOLD_TO
 from vsensor.estimator.ring import mask_of
 from vsensor.estimator.rock import weigh_rock
 from vsensor.estimator.score import EXPECTED, NOW, VALUE
-from vsensor.estimator.setdown import look_for_rock, may_learn
+from vsensor.estimator.setdown import look_for_rock, wait_for_weight
 from vsensor.estimator.state import Model, State
 from vsensor.estimator.tare import acceleration, weigh_tare
 from vsensor.estimator.tune import MEMORY_S, wall_torque
@@ -52,7 +52,7 @@ def study_rock(model: Model, state: State) -> None:
     at = step & mask_of(state.told.shape[2])
     speed, torque = state.told[0, TOLD_BIT_SPEED, at], state.told[0, TOLD_BIT_TORQUE, at]
     weigh_rock(model, state, speed, torque)
-    if may_learn(state.learned) and model.learns:
+    if wait_for_weight(state.learned) and model.learns:
         held = state.held[(state.ticks[0] - model.lag) % state.held.shape[0]]
         learn(state.learned, held, _unmoved(state, tick, speed), torque, model.rate, state.ticks[0])
 

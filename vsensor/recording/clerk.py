@@ -86,7 +86,7 @@ class Clerk:
     def take(self, item: Item) -> None:
         """Take what came: messages, orders, what the sensor remembers."""
         if isinstance(item, wire.Heading):
-            self._head = self._snapshots.head = self._head.changed(item)
+            self._head = self._snapshots.head = self._head._replace(**item._asdict())
             return
         if isinstance(item, wire.Checkpoint):
             self._snapshots.memory.begin(item, time.monotonic())

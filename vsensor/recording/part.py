@@ -17,11 +17,6 @@ class Head(NamedTuple):
     metadata: Mapping[str, str]
     compression: Compression
 
-    def changed(self, heading: wire.Heading) -> "Head":
-        """What it is from now on."""
-        metadata = {**self.metadata, **heading.metadata}
-        return self._replace(configuration=heading.configuration, metadata=metadata)
-
     def writer(self, path: Path, more: Mapping[str, str]) -> SessionWriter:
         """Begin a file, with something more to say of it."""
         return SessionWriter(

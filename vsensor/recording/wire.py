@@ -51,7 +51,7 @@ class Checkpoint(NamedTuple):
 
 
 class Heading(NamedTuple):
-    """What files that begin from now on say of themselves; of the metadata what is new."""
+    """What files that begin from now on say of themselves."""
 
     configuration: str
     metadata: Mapping[str, str]

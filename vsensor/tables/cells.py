@@ -29,12 +29,12 @@ def numbers(values: pa.Array) -> Floats:
 
 def measured(values: pa.Array) -> Floats:
     """What was measured, NaN where a cell is empty or says so. Raises BadCellError for what is none."""
-    found = told(values)
+    found = as_told(values)
     _refuse(np.isinf(found), found)
     return found
 
 
-def told(values: pa.Array) -> Floats:
+def as_told(values: pa.Array) -> Floats:
     """The same of a source that may say that it is infinite. Raises BadCellError for what is no number."""
     values = _plain(values)
     if pa.types.is_string(values.type):

@@ -6,7 +6,9 @@ import numpy as np
 
 from vsensor.errors import ConfigError
 from vsensor.grid import NS, Grid
+from vsensor.tables.cells import Floats
 from vsensor.tables.surface import SurfaceTable
+from vsensor.tables.times import Times
 from vsensor.units import to_si
 
 HOLE = 5.0
@@ -40,15 +42,21 @@ def _laid(rows: SurfaceTable, times: np.ndarray) -> SurfaceTable:
     times = times[told]
     # Seconds since the first: as doubles, nanoseconds since 1970 are known to 256.
     at, known = ((each - rows.time_ns[0]) / NS for each in (times, rows.time_ns))
-    told = np.searchsorted(rows.time_ns, times, side="right") - 1
     return SurfaceTable(
         times,
         np.interp(at, known, rows.motor_torque_nm),
         np.interp(at, known, rows.motor_speed_rad_s),
-        {
-            topic: depth[told] for topic, depth in rows.depths_m.items()
-        },  # as told last, for they come in steps
+        {topic: _told(depth, rows.time_ns, times) for topic, depth in rows.depths_m.items()},
     )
+
+
+def _told(depth_m: Floats, at_ns: Times, times: Times) -> Floats:
+    """Each depth once, at the next time of the grid: of what comes in steps nothing lies between two."""
+    told = np.full(len(times), np.nan)
+    known = np.flatnonzero(np.isfinite(depth_m))
+    if len(times):
+        told[np.minimum(np.searchsorted(times, at_ns[known]), len(times) - 1)] = depth_m[known]
+    return told
 
 
 def _rate(text: str) -> float:
@@ -75,5 +83,5 @@ def _tail(rows: SurfaceTable) -> SurfaceTable:
         rows.time_ns[-1:],
         rows.motor_torque_nm[-1:],
         rows.motor_speed_rad_s[-1:],
-        {topic: depth[-1:] for topic, depth in rows.depths_m.items()},
+        {topic: np.full(1, np.nan) for topic in rows.depths_m},  # it was told
     )

@@ -18,8 +18,6 @@ _DAMAGED = (pa.ArrowException, OSError, UnicodeDecodeError)
 _DELIMITERS = (",", ";", "\t")
 _TOLD = re.compile(r"sep=([,;\t|:])\r?\n?", re.IGNORECASE)
 """Excel's first line, by which it knows again what parts the columns."""
-
-
 _ARROW_FILE = b"ARROW1"
 """What a file begins with, and a stream does not."""
 

@@ -1,4 +1,4 @@
-"""What a rig measured, from a table: its columns found, in SI, each time later than the one before."""
+"""What a rig measured, from a table: its columns found, in SI; what is wrong is told by its place."""
 
 import math
 from collections import Counter
@@ -19,7 +19,7 @@ from vsensor.messages import (
     SURFACE_TORQUE,
     Sample,
 )
-from vsensor.tables.cells import BadCellError, Floats, measured, numbers, told
+from vsensor.tables.cells import BadCellError, Floats, as_told, measured, numbers
 from vsensor.tables.sources import Source, source_of
 from vsensor.tables.times import IN_SECONDS, TimeForm, Times
 from vsensor.units import factor
@@ -131,7 +131,7 @@ def surface_pieces(
         time_ns = reader.times(layout)
         if not as_it_came:
             reader.check_times(layout.time, time_ns, last_ns)
-        read = numbers if whole else told if as_it_came else measured
+        read = numbers if whole else as_told if as_it_came else measured
         values = (reader.values(name, read) for name in (layout.torque, layout.speed))
         depths = {topic: reader.values(name, measured) * depth_scale for topic, name in layout.depths.items()}
         torque, speed = (value * scale for value, scale in zip(values, scales, strict=True))
