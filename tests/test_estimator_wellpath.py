@@ -10,16 +10,11 @@ from hypothesis import strategies as st
 from tests.naive_well import wall_torque
 from vsensor.config import Component
 from vsensor.config.well import Station, Wellbore, from_surface
-from vsensor.estimator import component, wellpath
+from vsensor.estimator import component, wall
 from vsensor.estimator.component import GRAVITY, buoyed_weight
 from vsensor.estimator.sections import cut
-from vsensor.estimator.wellpath import (
-    contact,
-    direction,
-    vertical_depth,
-    wall_friction,
-    well_path,
-)
+from vsensor.estimator.wall import contact, wall_friction
+from vsensor.estimator.wellpath import direction, vertical_depth, well_path
 
 PIPE = Component(length=900, outer_diameter=0.127, inner_diameter=0.1086, tool_joint_diameter=0.168)
 COLLAR = Component(length=150, outer_diameter=0.1652, inner_diameter=0.0714)
@@ -179,7 +174,7 @@ def test_the_naive_twin_agrees(string: tuple[Component, ...], well: Survey, well
 def test_the_cells_are_fine_enough(string: tuple[Component, ...], well: Survey, wellbore: Wellbore) -> None:
     coarse = wall_friction(string, well, wellbore).kinetic
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(wellpath, "CELL", wellpath.CELL / 20)
+        patch.setattr(wall, "CELL", wall.CELL / 20)
         fine = wall_friction(string, well, wellbore).kinetic
     assert coarse == pytest.approx(fine, rel=1e-6, abs=KINKS)
 

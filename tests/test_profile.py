@@ -9,6 +9,7 @@ import pytest
 from tests.observer import LINEAR, drilled, pinned
 from tests.strings import BIT, COLLAR, DRIVE, PIPE, rig
 from vsensor.config import Component, Rig
+from vsensor.config.well import Station, Wellbore
 from vsensor.estimator import component
 from vsensor.estimator.along import SPEED, TORQUE
 from vsensor.estimator.estimator import Estimator
@@ -184,6 +185,26 @@ def test_what_its_own_weight_tears_bears_nothing() -> None:
     assert last.torque_limit_nm[0] == 0
     assert last.weakest_margin == -math.inf
     assert last.torque_limit_nm[-1] == 50e3
+
+
+def test_a_pipe_on_which_little_hangs_bears_more() -> None:
+    """Laid flat at 300 m its own weight takes a smaller share of the strength than straight down."""
+    part = PIPE.model_copy(update={"torsional_strength": 50e3, "tensile_strength": 5e5})
+    limits = []
+    for end in (0, math.pi / 2):
+        survey = tuple(
+            Station(measured_depth=depth, inclination=down, azimuth=0)
+            for depth, down in ((0, 0), (300, 0), (600, end))
+        )
+        told = rig(part).model_copy(
+            update={"survey": survey, "wellbore": Wellbore(mud_density=1200, friction_factor=0.0)}
+        )
+        (*_, (_, last)) = profiles(told, [(5e3, 0.0)] * 500)
+        limits.append(last.torque_limit_nm[0])
+    straight, flat = limits
+    weight = component.buoyed_weight(part, 1200)
+    assert straight == pytest.approx(50e3 * math.sqrt(1 - (weight * 1500 / 5e5) ** 2))
+    assert flat == pytest.approx(50e3 * math.sqrt(1 - (weight * (300 + 600 / math.pi) / 5e5) ** 2))
 
 
 def test_while_a_channel_is_silent_it_is_wider_and_uncertain() -> None:

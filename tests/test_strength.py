@@ -9,8 +9,10 @@ from hypothesis import strategies as st
 
 from tests.strings import COLLAR, PIPE, strings
 from vsensor.config import Component
-from vsensor.estimator.component import GRAVITY
-from vsensor.estimator.strength import Limit, hanging_weight, torsional_limit
+from vsensor.config.well import Station, Wellbore
+from vsensor.estimator.component import GRAVITY, buoyed_weight
+from vsensor.estimator.strength import Limit, torsional_limit
+from vsensor.estimator.tension import hanging_weight, off_bottom_tension
 from vsensor.units import to_si
 
 G105 = Component(  # 5 in, 19.5 lb/ft: API RP 7G, table 2, new pipe
@@ -80,13 +82,25 @@ def test_the_weight_below_hangs_on_each_depth() -> None:
     np.testing.assert_allclose(hanging_weight((light, heavy), depths), expected, rtol=1e-12, atol=1e-6)
 
 
-@given(strings(), st.floats(0, 2e3), st.floats(0, 3e5))
-def test_mud_bears_its_share_and_the_bit_what_stands_on_it(
-    string: tuple[Component, ...], mud: float, on_bit: float
-) -> None:
+@given(strings(), st.floats(0, 2e3))
+def test_mud_bears_its_share(string: tuple[Component, ...], mud: float) -> None:
     depths = np.linspace(0, sum(part.length for part in string), 20)
     in_air = hanging_weight(string, depths)
     assert (np.diff(in_air) < 0).all()
     assert in_air[-1] == pytest.approx(0, abs=1e-6)
-    told = hanging_weight(string, depths, mud, on_bit)
-    np.testing.assert_allclose(told, in_air * (1 - mud / 7850) - on_bit, rtol=1e-9, atol=1e-5)
+    told = hanging_weight(string, depths, mud)
+    np.testing.assert_allclose(told, in_air * (1 - mud / 7850), rtol=1e-9, atol=1e-5)
+
+
+def test_what_lies_flat_hangs_on_nothing() -> None:
+    """1000 m down, a quarter of a circle of 300 m, and on along the level: what hangs is 1300 m of pipe."""
+    quarter = 300 * math.pi / 2
+    survey = tuple(
+        Station(measured_depth=depth, inclination=math.radians(angle), azimuth=0)
+        for depth, angle in ((0, 0), (1000, 0), (1000 + quarter, 90), (4000, 90))
+    )
+    mud = Wellbore(mud_density=1200, friction_factor=0.2)
+    depths = np.array([0.0, 1000.0, 1000 + quarter / 2, 1000 + quarter, 3000.0])
+    told = off_bottom_tension((G105.model_copy(update={"length": 4000.0}),), depths, survey, mud)
+    hangs = [1300, 300, 300 * (1 - math.sqrt(0.5)), 0, 0]
+    np.testing.assert_allclose(told, buoyed_weight(G105, 1200) * np.array(hangs), rtol=1e-9, atol=1e-4)

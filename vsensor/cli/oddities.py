@@ -9,8 +9,8 @@ import numpy as np
 from vsensor.config import Rig
 from vsensor.estimator import component
 from vsensor.estimator.sections import FINEST
-from vsensor.estimator.strength import hanging_weight
-from vsensor.estimator.wellpath import wall_friction
+from vsensor.estimator.tension import off_bottom_tension
+from vsensor.estimator.wall import wall_friction
 
 STEEL_WAVE_SPEEDS = (3000.0, 3300.0)
 """√(G/ρ) of drill-pipe and collar steels, m/s."""
@@ -83,7 +83,8 @@ def _sections(rig: Rig) -> Iterator[str]:
 
 def _strength(rig: Rig) -> Iterator[str]:
     tops = np.cumsum([0.0, *(part.length for part in rig.string)])[:-1]
-    tensions = hanging_weight(rig.string, tops).tolist()
+    hanging = "hang on it" if rig.wellbore else "hang on it in air"
+    tensions = off_bottom_tension(rig.string, tops, rig.survey, rig.wellbore).tolist()
     for number, (part, tension) in enumerate(zip(rig.string, tensions, strict=True), 1):
         if part.tensile_strength is None:
             continue
@@ -94,7 +95,7 @@ def _strength(rig: Rig) -> Iterator[str]:
             )
         elif tension >= part.tensile_strength:
             yield (
-                f'string[{number}] "{part.name}": {tension:.0f} N hang on it in air, beyond its '
+                f'string[{number}] "{part.name}": {tension:.0f} N {hanging}, beyond its '
                 f"tensile_strength of {part.tensile_strength:.0f} N"
             )
 

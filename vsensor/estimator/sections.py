@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from vsensor.config import Component
 from vsensor.config.well import Station, Wellbore
 from vsensor.estimator import component
-from vsensor.estimator.wellpath import wall_friction
+from vsensor.estimator.wall import wall_friction
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

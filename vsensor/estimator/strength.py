@@ -1,14 +1,9 @@
-"""What each component of the string bears in torsion, and what hangs on it."""
+"""What each component of the string bears in torsion."""
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
-import numpy as np
-
 from vsensor.config import Component
-from vsensor.estimator.component import buoyed_weight
-from vsensor.estimator.sections import Floats
 
 
 class Limit(NamedTuple):
@@ -16,20 +11,6 @@ class Limit(NamedTuple):
 
     torque: float
     by: str
-
-
-def hanging_weight(
-    string: Sequence[Component], depths: Floats, mud_density: float = 0.0, weight_on_bit: float = 0.0
-) -> Floats:
-    """Tension of a vertical string at depths (m along it), N: what hangs below, less what stands on the bit.
-
-    Buoyed by mud of a density in kg/m³ (0: in air) as by API RP 7G's buoyancy factor; without the wall's
-    drag. Below the neutral point it is negative: the string is pressed.
-    """
-    bounds = np.cumsum([0.0, *(part.length for part in string)])
-    weights = [buoyed_weight(part, mud_density) * part.length for part in string]
-    above = np.interp(depths, bounds, np.cumsum([0.0, *weights]))
-    return np.asarray(sum(weights) - above - weight_on_bit)
 
 
 def torsional_limit(part: Component, tension: float = 0.0) -> Limit | None:

@@ -2,6 +2,8 @@
 
 import math
 import time
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +13,8 @@ from vsensor.estimator import component
 from vsensor.estimator.along import SPEED, TORQUE, Stations
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.sections import Floats
-from vsensor.estimator.strength import hanging_weight, torsional_limit
+from vsensor.estimator.strength import torsional_limit
+from vsensor.estimator.tension import off_bottom_tension
 from vsensor.messages import Estimate, Profile
 
 RATE_HZ = 10.0
@@ -68,11 +71,11 @@ class Profiler:
     """Notes what an estimator knows along its string; the message is made of it when there is time."""
 
     def __init__(self, rig: Rig, estimator: Estimator) -> None:
-        # Off bottom and straight down tension is greatest: on the safe side in any well.
-        self._mud = rig.wellbore.mud_density if rig.wellbore else 0.0
+        # Off bottom tension is greatest: on the safe side whatever stands on the bit.
+        self._tension = partial(off_bottom_tension, survey=rig.survey, wellbore=rig.wellbore)
         self._estimator = estimator
         self._every = max(1, round(rig.loop.rate / RATE_HZ))
-        self._layout = lay_out(estimator.string, estimator.stations, self._mud)
+        self._layout = lay_out(estimator.string, estimator.stations, self._tension)
         self.took_ns = 0
         """How long the last note took."""
 
@@ -87,17 +90,19 @@ class Profiler:
         begun = time.monotonic_ns()
         of = self._estimator
         if of.stations is not self._layout.at:  # the string was made longer
-            self._layout = lay_out(of.string, of.stations, self._mud)
+            self._layout = lay_out(of.string, of.stations, self._tension)
         noted = Noted(estimate, self._layout, of.profile().copy(), of.noise, of.profile_noise)
         self.took_ns = time.monotonic_ns() - begun
         return noted
 
 
-def lay_out(string: tuple[Component, ...], at: Stations, mud: float) -> Layout:
-    """Lay out what does not change along a string, at its stations, in mud of so many kg/m³."""
+def lay_out(
+    string: tuple[Component, ...], at: Stations, tension: Callable[[Sequence[Component], Floats], Floats]
+) -> Layout:
+    """Lay out what does not change along a string, at its stations, under this tension."""
     parts = [string[number] for number in at.component]
-    tensions = hanging_weight(string, at.depth, mud).tolist()
-    limits = [torsional_limit(part, tension) for part, tension in zip(parts, tensions, strict=True)]
+    tensions = tension(string, at.depth).tolist()
+    limits = [torsional_limit(part, bears) for part, bears in zip(parts, tensions, strict=True)]
     return Layout(
         at,
         names=[part.name for part in parts],
