@@ -10,7 +10,7 @@ import pytest
 import rerun as rr
 from typer.testing import CliRunner
 
-from vsensor.bench import kernel, live, loads, offline, reading, seen, stage, tick, view, wakes
+from vsensor.bench import day, kernel, live, loads, offline, reading, seen, stage, tick, view, wakes
 from vsensor.bench.compiler import FLAGS, NO_COMPILER, compiler
 from vsensor.bench.processes import child_of, processor_s
 from vsensor.bench.record import drilled, endless
@@ -145,6 +145,22 @@ def test_offline_every_row_becomes_a_tick() -> None:
     took = {row["stage"]: row["seconds"] for row in rows(table)}
     assert all(isinstance(seconds, float) and seconds >= 0 for seconds in took.values())
     assert rows(table)[3]["times the estimator"] == 1
+
+
+def test_a_day_is_told_of_whole_commands_and_one_that_fails_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    told = {"samples to Parquet": ("export", "--surface")}
+    monkeypatch.setattr(day, "COMMANDS", told)
+    (table,) = day.tables(SHORT_S, lambda _: None)
+    (row,) = rows(table)
+    shorter, longer, resident = (row[name] for name in ("2 s, s", "7 s, s", "memory at most, MB"))
+    assert isinstance(shorter, float)
+    assert isinstance(longer, float)
+    assert isinstance(resident, float)
+    assert min(shorter, longer) > 0.1
+    assert 50 < resident < 2000
+    monkeypatch.setattr(day, "COMMANDS", {"nothing": ("export", "--no-such-option")})
+    with pytest.raises(VsensorError, match=r"vsensor export .* ended with 2: [\s\S]*no-such-option"):
+        list(day.tables(SHORT_S, lambda _: None))
 
 
 def test_both_readers_read_the_same_sessions() -> None:

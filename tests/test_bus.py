@@ -31,6 +31,7 @@ from vsensor.messages import (
     Estimate,
     Message,
     Sample,
+    surface,
 )
 
 NS = 1_000_000_000
@@ -157,7 +158,10 @@ def test_what_cannot_be_read_is_told_and_what_follows_is_read(
     bad, good = received(inbox, 2)
     assert bad.topic == SURFACE_TORQUE
     assert bad.sample is None
-    assert bad.fault
+    assert bad.unreadable is not None
+    assert (bad.unreadable.channel, bad.unreadable.encoding) == (SURFACE_TORQUE, encoding)
+    assert bad.unreadable.payload == (payload if len(payload) <= surface.MAX_BYTES else b"")
+    assert bad.unreadable.fault
     assert good.sample is not None
 
 

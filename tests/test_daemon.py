@@ -7,7 +7,7 @@ from typing import cast
 import pytest
 from typer.testing import CliRunner
 
-from tests.life import REFUSED, Life, live, torque
+from tests.life import REFUSED, UNREADABLE, Life, live, torque
 from tests.rigs import RATE, SHORT
 from vsensor import __version__
 from vsensor.cli import main
@@ -18,6 +18,7 @@ from vsensor.messages import (
     SENSOR_EVENT,
     SENSOR_STATUS,
     SENSOR_TICK,
+    SENSOR_UNREADABLE,
     STRING_DESCRIPTION,
     STRING_PROFILE,
     SURFACE_TORQUE,
@@ -27,6 +28,8 @@ from vsensor.messages import (
     Sample,
     Status,
     Tick,
+    Unreadable,
+    surface,
 )
 from vsensor.recording.reader import Session
 from vsensor.service.histogram import quantile_s
@@ -171,6 +174,14 @@ def test_what_came_in_is_recorded_even_where_it_was_refused(life: Life) -> None:
     books = torque(cast("list[Status]", life.recorded(SENSOR_STATUS))[-1])
     assert len(life.recorded(SURFACE_TORQUE)) == books["received"] - books["unreadable"]
     assert [message for message in life.recorded(SENSOR_EVENT) if message] != []
+
+
+def test_what_could_not_be_read_is_recorded_as_it_came(life: Life) -> None:
+    kept = cast("list[Unreadable]", life.recorded(SENSOR_UNREADABLE))
+    came = [(payload if len(payload) <= surface.MAX_BYTES else b"", named) for payload, named in UNREADABLE]
+    assert [(each.payload, each.encoding) for each in kept] == came
+    assert {each.channel for each in kept} == {SURFACE_TORQUE}
+    assert all(each.fault for each in kept)
 
 
 def test_the_session_verifies(life: Life) -> None:

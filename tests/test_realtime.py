@@ -24,6 +24,8 @@ from vsensor.service.awake import DEVICE
 
 ALL = os.sched_getaffinity(0)
 LAST = max(ALL)
+MODULES = 10_000
+"""So many objects our modules alone are."""
 
 
 def wanting(**asked: object) -> Loop:
@@ -235,4 +237,6 @@ def told_in(session: Path, status: Status) -> bool:
         and metadata["memory_locked"] == ("yes" if status.memory_locked else "no")
         and metadata["kept_awake"] == ("yes" if status.kept_awake else "no")
         and metadata["realtime"] == status.realtime
+        and float(metadata["switch_interval_s"]) == realtime.SWITCH_INTERVAL_S
+        and int(metadata["garbage_frozen"]) > MODULES
     )

@@ -14,7 +14,7 @@ from zenoh.ext import (
 
 from vsensor.bus.allowance import Allowance
 from vsensor.grid import NS
-from vsensor.messages import Sample, surface
+from vsensor.messages import Sample, Unreadable, surface
 
 CAPACITY = 1 << 16
 """Messages of a channel that may wait: a minute at 1 kHz, past which the oldest are lost."""
@@ -33,12 +33,12 @@ AT_ONCE = -(1 << 63)
 
 
 class Received(NamedTuple):
-    """One surface sample as it came: decoded, or with what made it unreadable."""
+    """One surface sample as it came: decoded, or what was unreadable of it."""
 
     topic: str
     received_ns: int
     sample: Sample | None
-    fault: str = ""
+    unreadable: Unreadable | None = None
     over_rate: bool = False
     """It came too fast to be looked at."""
 
@@ -67,7 +67,7 @@ class SurfaceQueue:
         self._active_ns = -PATIENCE_NS
         self._raw: zenoh.Sample
         self._sample: Sample | None = None
-        self._fault = ""
+        self._unreadable: Unreadable | None = None
         # A backlog after a cut link is no flood: as much as waits here is let through at once.
         self._allowance = Allowance(max_rate, capacity)
         self._capacity = capacity
@@ -90,7 +90,7 @@ class SurfaceQueue:
         self._active_ns = time.monotonic_ns()
         if self._sample is not None:
             self.newest_ns = self._sample.time_ns
-        return Received(self.topic, time.time_ns(), self._sample, self._fault, self.over_rate)
+        return Received(self.topic, time.time_ns(), self._sample, self._unreadable, self.over_rate)
 
     def missed(self) -> int:
         """How many the bus knows to be lost since the last call."""
@@ -119,7 +119,7 @@ class SurfaceQueue:
     def _see(self, raw: zenoh.Sample, now_ns: int) -> None:
         self._raw = raw
         self.waits, self.held_ns = True, 0
-        self._sample, self._fault, self.time_ns = None, "", AT_ONCE
+        self._sample, self._unreadable, self.time_ns = None, None, AT_ONCE
         self.over_rate = not self._allowance.take(now_ns)
         if self.over_rate:
             return
@@ -128,11 +128,18 @@ class SurfaceQueue:
             surface.check_size(len(payload := raw.payload))
             sample = surface.decode(payload.to_bytes(), str(raw.encoding), lambda: _stamp_ns(raw))
         except ValueError as error:
-            self._fault = str(error)
+            self._unreadable = self._keep(raw, str(error))
             return
         self._sample = sample
         if self.newest_ns is None or abs(sample.time_ns - self.newest_ns) <= STRAY_NS:
             self.time_ns = sample.time_ns
+
+    def _keep(self, raw: zenoh.Sample, fault: str) -> Unreadable:
+        encoding = str(raw.encoding)
+        kept = Unreadable(time_ns=time.time_ns(), channel=self.topic, encoding=encoding, fault=fault)
+        if len(raw.payload) <= surface.MAX_BYTES:
+            kept.payload = raw.payload.to_bytes()
+        return kept
 
 
 def recovering(

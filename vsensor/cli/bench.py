@@ -27,6 +27,7 @@ class Benchmark(StrEnum):
     KERNEL = "kernel"
     READING = "reading"
     OFFLINE = "offline"
+    DAY = "day"
     LIVE = "live"
     LOADS = "loads"
     LIMIT = "limit"
@@ -42,7 +43,7 @@ def bench(
     *,
     seconds: Annotated[
         float,
-        typer.Option(help="To measure for; offline runs 720 s of samples for each of them.", min=0.001),
+        typer.Option(help="To measure for; offline and day run 720 s of samples for each.", min=0.001),
     ] = 5.0,
     rate: Annotated[
         list[float] | None, typer.Option(help="Hz, for whole ticks and live; by default 100 and 1000.")
@@ -93,6 +94,10 @@ def _run(
 
         say("samples of a file, as fast as they go")
         yield from offline.tables(seconds)
+    elif name is Benchmark.DAY:
+        from vsensor.bench import day
+
+        yield from day.tables(seconds, say)
     elif name is Benchmark.START:
         from vsensor.bench import start
 

@@ -107,11 +107,11 @@ def replay(
 
 def _topics(text: str) -> tuple[str, ...]:
     """Topics by name; ConfigError for what is not published on a bus."""
-    from vsensor.messages import SENSOR_STATE, message_type
+    from vsensor.messages import IN_SESSIONS_ALONE, message_type
 
     topics = tuple(topic.strip() for topic in text.split(",") if topic.strip())
     for topic in topics:
-        if message_type(topic) is None or topic == SENSOR_STATE:
+        if message_type(topic) is None or topic in IN_SESSIONS_ALONE:
             raise ConfigError(
                 f"--topics: {topic!r} is on no bus: surface/torque and bit/estimate, for example, are"
             )

@@ -40,7 +40,7 @@ def run(
     from vsensor.service.daemon import Daemon
     from vsensor.service.engine import Engine
     from vsensor.service.pace import MonotonicClock, Pace
-    from vsensor.service.realtime import achieve
+    from vsensor.service.realtime import achieve, settle
     from vsensor.service.reload import Reload
     from vsensor.service.systemd import Supervisor
     from vsensor.signals import at_hangup, until_signalled
@@ -58,6 +58,7 @@ def run(
             session = last.enter_context(open_session(rig.bus, "daemon"))
             exporter = last.enter_context(_exporter(rig, say))
             keeper = last.enter_context(_kept(rig, engine, say))
+            settle()
             achieved = achieve(rig.loop)
             recorder = last.enter_context(_recorder(rig, achieved, say))
             daemon = Daemon(rig, engine, session, recorder, achieved, keeper, reload, stand_by=stand_by)

@@ -9,9 +9,10 @@ from vsensor.messages.vsensor_pb2 import (
     State,
     Status,
     Tick,
+    Unreadable,
 )
 
-Message = Sample | Tick | Estimate | Profile | Description | Status | Event | State
+Message = Sample | Tick | Estimate | Profile | Description | Status | Event | State | Unreadable
 
 SURFACE = "surface/*"
 SURFACE_TORQUE = "surface/torque"
@@ -26,7 +27,9 @@ STRING_DESCRIPTION = "string/description"
 SENSOR_TICK = "sensor/tick"
 SENSOR_STATUS = "sensor/status"
 SENSOR_EVENT = "sensor/event"
-SENSOR_STATE = "sensor/state"  # in sessions alone
+SENSOR_STATE = "sensor/state"
+SENSOR_UNREADABLE = "sensor/unreadable"
+IN_SESSIONS_ALONE = (SENSOR_STATE, SENSOR_UNREADABLE)
 DEPTH_TOPICS = (SURFACE_BIT_DEPTH, SURFACE_HOLE_DEPTH)
 SURFACE_TOPICS = (SURFACE_TORQUE, SURFACE_SPEED, *DEPTH_TOPICS)
 SENSOR_COMMAND = "sensor/command"  # queryable
@@ -46,6 +49,7 @@ _TYPES: dict[str, type[Message]] = {
     SENSOR_STATUS: Status,
     SENSOR_EVENT: Event,
     SENSOR_STATE: State,
+    SENSOR_UNREADABLE: Unreadable,
 }
 
 

@@ -31,7 +31,7 @@ from vsensor.service.owed import Owed
 from vsensor.service.pace import Pace, Slot
 from vsensor.service.profile import Noted, Profiler, profile_of, reckon
 from vsensor.service.ration import Ration
-from vsensor.service.realtime import Achieved, settle
+from vsensor.service.realtime import Achieved
 from vsensor.service.recording import Recorder, Recording
 from vsensor.service.reload import Reload, take_up
 from vsensor.service.seat import Seat
@@ -120,7 +120,6 @@ class Daemon:
 
     def run(self, pace: Pace, ears: Iterable[Ear], stopped: Callable[[], bool]) -> None:
         """Turn once each slot until told to stop; `ears` hear the status of each second, one a turn."""
-        settle()
         if self._recording is not None:
             self._recording.remember()
         if self._keeper is not None and self._keeper.begun:
@@ -193,8 +192,8 @@ class Daemon:
             if received.over_rate:
                 self._engine.intake.refuse_unread(received.topic)
                 continue
-            if received.fault:
-                self.fault = f"{received.topic}: a sample {received.fault}"
+            if received.unreadable is not None:
+                self.fault = f"{received.topic}: a sample {received.unreadable.fault}"
             self.voice.record_received(received)
             for tick, estimate in self._engine.take(received.topic, received.sample):
                 if self.health.shedding.level < NO_PROFILE and (noted := self._profiler.note(estimate)):

@@ -49,6 +49,10 @@ class Achieved(NamedTuple):
     memory_locked: bool
     kept_awake: bool
     """Whether processors are kept from their idle states."""
+    switch_interval_s: float
+    """How soon another thread of Python yields to the loop."""
+    garbage_frozen: int
+    """Objects that stand since the start, which no collection of garbage walks over."""
     refused: tuple[str, ...] = ()
     """What was not granted, and what would help."""
 
@@ -68,6 +72,8 @@ class Achieved(NamedTuple):
             "loop_processors": ",".join(map(str, self.processors)),
             "memory_locked": "yes" if self.memory_locked else "no",
             "kept_awake": "yes" if self.kept_awake else "no",
+            "switch_interval_s": f"{self.switch_interval_s:g}",
+            "garbage_frozen": str(self.garbage_frozen),
         }
 
 
@@ -95,6 +101,8 @@ def achieve(loop: Loop, others: Collection[int] = ()) -> Achieved:
         others,
         locked,
         _wake_request.stands,
+        sys.getswitchinterval(),
+        gc.get_freeze_count(),
         refused,
     )
 

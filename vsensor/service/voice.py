@@ -5,12 +5,14 @@ import time
 import zenoh
 
 from vsensor.bus import Outbox, Received
+from vsensor.bus.allowance import Allowance
 from vsensor.config import Rig
 from vsensor.messages import (
     BIT_ESTIMATE,
     BIT_SPEED,
     BIT_TORQUE,
     SENSOR_EVENT,
+    SENSOR_UNREADABLE,
     Estimate,
     Event,
     Message,
@@ -28,6 +30,11 @@ _SENSORS = (
 """What is told as a real sensor would tell it: the fields of value and deviation."""
 
 
+UNREADABLE_HZ = 20
+"""So many unreadable samples a second are kept as they came: the rest is only counted, for a flood of them is
+many times as much as all else that is recorded."""
+
+
 class Voice:
     """Publishes, records, and keeps count of how long that takes."""
 
@@ -36,6 +43,7 @@ class Voice:
         self._recorder = recorder
         self._health = health
         self._news: list[Event] = []
+        self._unreadable = Allowance(UNREADABLE_HZ, UNREADABLE_HZ)
 
     def mute(self, muted: bool) -> None:
         """Whether another speaks: then nothing goes to the bus."""
@@ -65,10 +73,16 @@ class Voice:
             self._recorder.offer(topic, data, time.time_ns(), publish_time_ns)
 
     def record_received(self, received: Received) -> None:
-        """Record a sample as it came, where it could be read."""
-        if self._recorder is not None and received.sample is not None:
-            data = received.sample.SerializeToString()
-            self._recorder.offer(received.topic, data, received.received_ns, received.sample.time_ns)
+        """Record a sample as it came, apart from the others where it could not be read."""
+        if self._recorder is None:
+            return
+        if (sample := received.sample) is not None:
+            data = sample.SerializeToString()
+            self._recorder.offer(received.topic, data, received.received_ns, sample.time_ns)
+        elif (kept := received.unreadable) is not None and self._unreadable.take(time.monotonic_ns()):
+            self._recorder.offer(
+                SENSOR_UNREADABLE, kept.SerializeToString(), received.received_ns, kept.time_ns
+            )
 
     def hand_on(self) -> None:
         """Hand over to the recorder what this slot had for it."""
