@@ -1,5 +1,6 @@
-"""A disk that takes seconds for each write: the loop does not notice, and what is not kept is counted."""
+"""A disk that is slow, or refuses all writes: the loop does not notice, and what is not kept is counted."""
 
+import errno
 import os
 import shutil
 import subprocess
@@ -8,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.daemons import PATIENCE_S, daemon, post
+from tests.daemons import PATIENCE_S, daemon, post, wait_until
 from tests.live import WARM_S, LiveRig, others, undisturbed
 from tests.rigs import SHORT
 from vsensor.bus import SURFACE_CACHE, Outbox, open_session
@@ -24,22 +25,21 @@ pytestmark = [
     pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler here"),
 ]
 
-SOURCE = Path(__file__).with_name("slow_disk.c")
+SOURCE = Path(__file__).with_name("bad_disk.c")
 WRITE_S = 3
 """What each write takes; a turn of the loop that waited for one would be as long."""
 LARGE = MAX_BYTES - 100
 
 
 @pytest.fixture
-def slow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The disk of the recordings is slow for processes started from now on, while this file is there."""
-    library = tmp_path / "slow_disk.so"
+def bad(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The disk of the recordings is bad for processes started from now on, while this file is there."""
+    library = tmp_path / "bad_disk.so"
     subprocess.run(["cc", "-shared", "-fPIC", "-o", library, SOURCE, "-ldl"], check=True)
-    flag = tmp_path / "slow"
+    flag = tmp_path / "bad"
     monkeypatch.setenv("LD_PRELOAD", str(library))
-    monkeypatch.setenv("SLOW_FOLDER", str(tmp_path / "recordings"))
-    monkeypatch.setenv("SLOW_WHILE", str(flag))
-    monkeypatch.setenv("SLOW_SECONDS", str(WRITE_S))
+    monkeypatch.setenv("BAD_FOLDER", str(tmp_path / "recordings"))
+    monkeypatch.setenv("BAD_WHILE", str(flag))
     return flag
 
 
@@ -50,8 +50,9 @@ def large(time_ns: int) -> Sample:
 
 
 def test_a_slow_disk_costs_messages_that_are_counted_and_no_turn(
-    slow: Path, bus: Bus, tmp_path: Path
+    bad: Path, bus: Bus, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setenv("BAD_SECONDS", str(WRITE_S))
     with (
         daemon(SHORT, bus, tmp_path) as sensor,
         post(sensor) as near,
@@ -60,7 +61,7 @@ def test_a_slow_disk_costs_messages_that_are_counted_and_no_turn(
         rig = LiveRig(Outbox(session, SHORT.prefix, reliable=True, cache=SURFACE_CACHE))
         rig.live(WARM_S)
         before = near.await_status(lambda status: status.ticks == rig.readings, "ticks")
-        slow.touch()
+        bad.touch()
         rig.live(2)
         flood_until = time.monotonic() + PATIENCE_S
         while not near.await_status(lambda _: True, "a status").recorder_dropped:
@@ -78,7 +79,7 @@ def test_a_slow_disk_costs_messages_that_are_counted_and_no_turn(
                 if now > then and upper >= WRITE_S
             ]
             assert long == [], name
-        slow.unlink()
+        bad.unlink()
         rig.live(2)
         near.await_status(lambda status: status.ticks == rig.readings, "ticks afterwards")
         assert others(near.estimates, undisturbed(rig.sent)) == []
@@ -92,3 +93,30 @@ def test_a_slow_disk_costs_messages_that_are_counted_and_no_turn(
     assert dropped == told_by_daemon > 0
     ticks = sum(isinstance(r.message, Tick) for r in recorded.messages((SENSOR_TICK,)))
     assert ticks <= rig.readings <= ticks + dropped
+
+
+def test_a_disk_that_becomes_read_only_ends_the_recording_until_it_can_be_written_on_again(
+    bad: Path, bus: Bus, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As ext4 does to itself after an error (errors=remount-ro). What stood on it by then is mended."""
+    monkeypatch.setenv("BAD_ERRNO", str(errno.EROFS))
+    with daemon(SHORT, bus, tmp_path) as sensor, post(sensor) as near, open_session(bus, "client") as session:
+        rig = LiveRig(Outbox(session, SHORT.prefix, reliable=True, cache=SURFACE_CACHE))
+        rig.live(WARM_S)
+        near.await_status(lambda status: status.ticks == rig.readings, "ticks")
+        bad.touch()
+        rig.live(2)
+        status = near.await_status(lambda status: status.HasField("recording_trouble"), "trouble told")
+        assert "Read-only file system" in status.recording_trouble
+        assert not status.HasField("recording")
+        bad.unlink()
+        near.await_status(lambda status: status.HasField("recording"), "another recording")
+        rig.live(2)
+        status = near.await_status(lambda status: status.ticks == rig.readings, "all ticks")
+        assert others(near.estimates, undisturbed(rig.sent)) == []
+        wait_until(lambda: len(list((tmp_path / "recordings").glob("*.torn"))) == 1, "the torn session kept")
+        assert sensor.end() == 0
+        torn, anew = (Session(path) for path in sorted(sensor.sessions))
+    assert verify(torn, Engine(SHORT)).exact
+    assert anew.complete
+    assert verify(anew, Engine(SHORT)).exact
