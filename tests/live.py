@@ -2,11 +2,16 @@
 
 import time
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
+from tests.daemons import Daemon, Post, daemon, post
 from tests.rigs import NS, RATE, SHORT, Surface, samples, simulated
-from vsensor.bus import Outbox
+from vsensor.bus import SURFACE_CACHE, Outbox, open_session
+from vsensor.config import Bus
 from vsensor.messages import Estimate
 from vsensor.messages.vsensor_pb2 import GOOD
 from vsensor.service.engine import Engine
@@ -49,6 +54,23 @@ class LiveRig:
             self._outbox.put(topic, sample)
         self.sent += sent
         self._number += 1
+
+
+class AtWork(NamedTuple):
+    """A daemon, a listener beside it, and the rig that feeds it over a session of its own."""
+
+    sensor: Daemon
+    near: Post
+    rig: LiveRig
+
+
+@contextmanager
+def at_work(bus: Bus, folder: Path) -> Iterator[AtWork]:
+    """A daemon that has its first answers."""
+    with daemon(SHORT, bus, folder) as sensor, post(sensor) as near, open_session(bus, "client") as session:
+        rig = LiveRig(Outbox(session, SHORT.prefix, reliable=True, cache=SURFACE_CACHE))
+        rig.live(WARM_S)
+        yield AtWork(sensor, near, rig)
 
 
 def undisturbed(sent: Surface) -> dict[int, bytes]:

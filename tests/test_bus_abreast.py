@@ -79,15 +79,22 @@ def test_it_waits_again_after_each_silence_of_both(rig: Ends) -> None:
         time.sleep(queue.PATIENCE_NS / NS)  # the silence itself
 
 
-def test_a_channel_alone_waits_for_a_moment_once_and_then_no_more(rig: Ends) -> None:
+def test_a_channel_alone_waits_for_a_moment_once_and_then_no_more(
+    rig: Ends, monkeypatch: pytest.MonkeyPatch
+) -> None:
     inbox = rig.inbox()
     begun = time.monotonic()
     rig.send(SURFACE_TORQUE, SECONDS[:1])
     received(inbox, 1)
     assert time.monotonic() - begun >= queue.PATIENCE_NS / NS
+    now_ns = time.monotonic_ns()
     for before, after in pairwise(SECONDS[:200]):
         rig.send(SURFACE_TORQUE, [after])
-        assert [each.sample.time_ns for each in inbox.drain() if each.sample] == [after], before
+        # Half a second that a busy machine takes is a silence, behind which it may wait again.
+        with monkeypatch.context() as patched:
+            patched.setattr(time, "monotonic_ns", lambda: now_ns)
+            got = list(inbox.drain())
+        assert [each.sample.time_ns for each in got if each.sample] == [after], before
 
 
 def test_one_that_speaks_nonsense_is_not_waited_for_longer(rig: Ends) -> None:

@@ -9,10 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.daemons import PATIENCE_S, daemon, post, wait_until
-from tests.live import WARM_S, LiveRig, others, undisturbed
+from tests.daemons import PATIENCE_S, wait_until
+from tests.live import at_work, others, undisturbed
 from tests.rigs import SHORT
-from vsensor.bus import SURFACE_CACHE, Outbox, open_session
 from vsensor.config import Bus
 from vsensor.messages import SENSOR_TICK, SURFACE_TORQUE, Sample, Tick
 from vsensor.messages.surface import MAX_BYTES
@@ -53,13 +52,7 @@ def test_a_slow_disk_costs_messages_that_are_counted_and_no_turn(
     bad: Path, bus: Bus, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("BAD_SECONDS", str(WRITE_S))
-    with (
-        daemon(SHORT, bus, tmp_path) as sensor,
-        post(sensor) as near,
-        open_session(bus, "client") as session,
-    ):
-        rig = LiveRig(Outbox(session, SHORT.prefix, reliable=True, cache=SURFACE_CACHE))
-        rig.live(WARM_S)
+    with at_work(bus, tmp_path) as (sensor, near, rig):
         before = near.await_status(lambda status: status.ticks == rig.readings, "ticks")
         bad.touch()
         rig.live(2)
@@ -100,9 +93,7 @@ def test_a_disk_that_becomes_read_only_ends_the_recording_until_it_can_be_writte
 ) -> None:
     """As ext4 does to itself after an error (errors=remount-ro). What stood on it by then is mended."""
     monkeypatch.setenv("BAD_ERRNO", str(errno.EROFS))
-    with daemon(SHORT, bus, tmp_path) as sensor, post(sensor) as near, open_session(bus, "client") as session:
-        rig = LiveRig(Outbox(session, SHORT.prefix, reliable=True, cache=SURFACE_CACHE))
-        rig.live(WARM_S)
+    with at_work(bus, tmp_path) as (sensor, near, rig):
         near.await_status(lambda status: status.ticks == rig.readings, "ticks")
         bad.touch()
         rig.live(2)

@@ -6,10 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.daemons import daemon, post
-from tests.live import WARM_S, LiveRig, others, undisturbed
+from tests.live import WARM_S, at_work, others, undisturbed
 from tests.rigs import RATE, SHORT
-from vsensor.bus import SURFACE_CACHE, Outbox, open_session
 from vsensor.config import Bus
 from vsensor.messages import SENSOR_TICK, Tick
 from vsensor.messages.books import refused
@@ -26,13 +24,7 @@ STOPPED_S = 12.0
 def test_after_a_stop_that_ends_its_links_it_catches_up_and_estimates_are_as_if_there_were_none(
     bus: Bus, tmp_path: Path
 ) -> None:
-    with (
-        daemon(SHORT, bus, tmp_path) as sensor,
-        post(sensor) as near,
-        open_session(bus, "client") as session,
-    ):
-        rig = LiveRig(Outbox(session, SHORT.prefix, reliable=True, cache=SURFACE_CACHE))
-        rig.live(WARM_S)
+    with at_work(bus, tmp_path) as (sensor, near, rig):
         os.kill(sensor.process.pid, signal.SIGSTOP)
         rig.live(STOPPED_S)
         os.kill(sensor.process.pid, signal.SIGCONT)

@@ -1,5 +1,6 @@
 """Files that a tear, a flipped bit or malice has made: read as far as they go or refused, within bounds."""
 
+import math
 import os
 import random
 import struct
@@ -16,7 +17,9 @@ from mcap.writer import CompressionType, Writer
 from typer.testing import CliRunner
 
 from vsensor.cli.main import app
+from vsensor.errors import InputError
 from vsensor.messages import SENSOR_TICK, SURFACE_TORQUE, Sample, Tick
+from vsensor.recording.course import Course
 from vsensor.recording.reader import Session
 from vsensor.recording.writer import SessionWriter
 
@@ -136,6 +139,19 @@ def spoilt(data: bytes) -> dict[str, bytes]:
             f"schema-{number}": head + b"\x03" + struct.pack("<QHI", 20, 1, length & 0xFFFFFFFF) + rest,
         }
     return files
+
+
+def test_an_index_that_knows_nothing_of_what_is_there_is_told_and_can_be_written_anew(tmp_path: Path) -> None:
+    data = session(tmp_path / "whole.mcap")
+    flipped, anew = tmp_path / "flipped.mcap", tmp_path / "anew.mcap"
+    ahead, behind = data[: (at := data.rindex(SURFACE_TORQUE.encode()))], data[at:]
+    flipped.write_bytes(ahead + behind.replace(b"surface", b"curface", 1))
+    with pytest.raises(InputError, match=r"index at its end knows nothing: .*vsensor recover"):
+        Course([Session(flipped)])
+    result = CliRunner().invoke(app, ["recover", str(flipped), "-o", str(anew)])
+    assert result.exit_code == 0, result.output
+    whole, again = (Course([Session(tmp_path / name)]).between(0, math.inf) for name in ("whole.mcap", anew))
+    assert len(list(again)) == len(list(whole)) > 0
 
 
 def test_what_is_made_to_hurt_does_not(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from vsensor.config import Component
 from vsensor.config.well import Station, Wellbore
 from vsensor.estimator.component import GRAVITY, buoyed_weight
 from vsensor.estimator.strength import Limit, torsional_limit
-from vsensor.estimator.tension import hanging_weight, off_bottom_tension
+from vsensor.estimator.tension import greatest_tension, hanging_weight
 from vsensor.units import to_si
 
 G105 = Component(  # 5 in, 19.5 lb/ft: API RP 7G, table 2, new pipe
@@ -101,6 +101,9 @@ def test_what_lies_flat_hangs_on_nothing() -> None:
     )
     mud = Wellbore(mud_density=1200, friction_factor=0.2)
     depths = np.array([0.0, 1000.0, 1000 + quarter / 2, 1000 + quarter, 3000.0])
-    told = off_bottom_tension((G105.model_copy(update={"length": 4000.0}),), depths, survey, mud)
+    told = greatest_tension((G105.model_copy(update={"length": 4000.0}),), depths, survey, mud)
     hangs = [1300, 300, 300 * (1 - math.sqrt(0.5)), 0, 0]
     np.testing.assert_allclose(told, buoyed_weight(G105, 1200) * np.array(hangs), rtol=1e-9, atol=1e-4)
+    pushing = mud.model_copy(update={"weight_on_bit": 100e3})
+    pushed = greatest_tension((G105.model_copy(update={"length": 4000.0}),), depths, survey, pushing)
+    np.testing.assert_allclose(pushed, [*told[:2], *(told[2:] - 100e3)], rtol=1e-9, atol=1e-4)

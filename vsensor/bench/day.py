@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from vsensor.bench.offline import surface_table
-from vsensor.bench.reading import by_library
+from vsensor.bench.offline import SPEED_UP, surface_table
+from vsensor.bench.reading import DAY_S, by_library
 from vsensor.bench.table import Table
 from vsensor.config import Rig, effective_toml, load
 from vsensor.demo import example
@@ -23,11 +23,8 @@ from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE
 from vsensor.recording.writer import SessionWriter
 from vsensor.tables import SurfaceSamples
 
-SPEED_UP = 720
-"""Seconds of samples for each second asked for: five make an hour."""
 PART = 4
 """The shorter session is so much shorter."""
-DAY_S = 86_400.0
 ASKED = "asked of a day, estimated anew: 30 s on one core, 600 MB"
 COMMANDS = {
     "samples to Parquet": ("export", "--surface"),

@@ -18,7 +18,7 @@ from vsensor.config.well import Wellbore
 from vsensor.estimator import component
 from vsensor.estimator.modes import torsional_modes
 from vsensor.estimator.strength import torsional_limit
-from vsensor.estimator.tension import off_bottom_tension
+from vsensor.estimator.tension import greatest_tension
 from vsensor.estimator.wall import contact, wall_friction
 from vsensor.estimator.wellpath import direction, vertical_depth, well_path
 
@@ -42,7 +42,7 @@ def check(
     _print_table(console, "Altogether", _totals(rig))
     if rig.wellbore:
         _print_table(console, "The well, and the string in it while it turns", _well(rig, rig.wellbore))
-    hanging = "off bottom" if rig.wellbore else "the string hanging in air"
+    hanging = "at the most" if rig.wellbore else "the string hanging in air"
     _print_table(console, f"What each component bears in torsion, at its top, {hanging}", _limits(rig))
     with console.status("compiling the kernels, once"):
         told = _answers(rig)
@@ -84,7 +84,7 @@ def _limits(rig: Rig) -> Table:
     for head in ("tension\nkN", "limit\nkN·m"):
         table.add_column(head, justify="right")
     table.add_column("set by")
-    tensions = off_bottom_tension(rig.string, tops, rig.survey, rig.wellbore).tolist()
+    tensions = greatest_tension(rig.string, tops, rig.survey, rig.wellbore).tolist()
     for part, tension in zip(rig.string, tensions, strict=True):
         limit = torsional_limit(part, tension)
         told = (f"{limit.torque / 1e3:.1f}", limit.by) if limit else ("-", "no strength is configured")

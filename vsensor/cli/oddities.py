@@ -9,7 +9,7 @@ import numpy as np
 from vsensor.config import Rig
 from vsensor.estimator import component
 from vsensor.estimator.sections import FINEST
-from vsensor.estimator.tension import off_bottom_tension
+from vsensor.estimator.tension import greatest_tension
 from vsensor.estimator.wall import wall_friction
 
 STEEL_WAVE_SPEEDS = (3000.0, 3300.0)
@@ -84,7 +84,7 @@ def _sections(rig: Rig) -> Iterator[str]:
 def _strength(rig: Rig) -> Iterator[str]:
     tops = np.cumsum([0.0, *(part.length for part in rig.string)])[:-1]
     hanging = "hang on it" if rig.wellbore else "hang on it in air"
-    tensions = off_bottom_tension(rig.string, tops, rig.survey, rig.wellbore).tolist()
+    tensions = greatest_tension(rig.string, tops, rig.survey, rig.wellbore).tolist()
     for number, (part, tension) in enumerate(zip(rig.string, tensions, strict=True), 1):
         if part.tensile_strength is None:
             continue

@@ -10,16 +10,19 @@ from vsensor.estimator.component import buoyed_weight
 from vsensor.estimator.wellpath import Floats, Path, vertical_depth, well_path
 
 
-def off_bottom_tension(
+def greatest_tension(
     string: Sequence[Component], depths: Floats, survey: Sequence[Station], wellbore: Wellbore | None
 ) -> Floats:
-    """Tension with nothing on the bit, N, at depths (m along the string): the greatest while it turns.
+    """The greatest pull or push while it turns, N, at depths (m along the string, shape (n,)).
 
-    Where no well is told it is taken to be straight down and empty, which is on the safe side.
+    Off bottom it is pulled most, but what lies flat is pushed by the weight on bit (negative). Where no well
+    is told it is taken to be straight down and empty, which is on the safe side.
     """
     if wellbore is None:
         return hanging_weight(string, depths)
-    return hanging_weight(string, depths, wellbore.mud_density, well_path(survey))
+    pulled = hanging_weight(string, depths, wellbore.mud_density, well_path(survey))
+    on_bottom = pulled - wellbore.weight_on_bit
+    return np.where(np.abs(on_bottom) > np.abs(pulled), on_bottom, pulled)
 
 
 def hanging_weight(

@@ -86,6 +86,11 @@ class Course:
 
     def _leg(self, session: Session, first: Record, longest_gap_s: float) -> Leg:
         wanted = [topic for topic in session.summary().topics if topic.topic in self.topics]
+        if not wanted:  # a bit of its index has flipped
+            raise InputError(
+                f"{session.path}: holds messages of which the index at its end knows nothing: "
+                f"have it written anew by vsensor recover {session.path}"
+            )
         span_ns = max(max(topic.last_ns for topic in wanted) - first.log_time_ns, 0)
         if not self.legs:
             return Leg(session, first, 0, span_ns, 0.0)

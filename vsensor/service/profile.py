@@ -14,7 +14,7 @@ from vsensor.estimator.along import SPEED, TORQUE, Stations
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.strength import torsional_limit
-from vsensor.estimator.tension import off_bottom_tension
+from vsensor.estimator.tension import greatest_tension
 from vsensor.messages import Estimate, Profile
 
 RATE_HZ = 10.0
@@ -71,8 +71,7 @@ class Profiler:
     """Notes what an estimator knows along its string; the message is made of it when there is time."""
 
     def __init__(self, rig: Rig, estimator: Estimator) -> None:
-        # Off bottom tension is greatest: on the safe side whatever stands on the bit.
-        self._tension = partial(off_bottom_tension, survey=rig.survey, wellbore=rig.wellbore)
+        self._tension = partial(greatest_tension, survey=rig.survey, wellbore=rig.wellbore)
         self._estimator = estimator
         self._every = max(1, round(rig.loop.rate / RATE_HZ))
         self._layout = lay_out(estimator.string, estimator.stations, self._tension)

@@ -28,8 +28,6 @@ _SENSORS = (
     (BIT_TORQUE, ("now_bit_torque_nm", "now_bit_torque_std_nm")),
 )
 """What is told as a real sensor would tell it: the fields of value and deviation."""
-
-
 UNREADABLE_HZ = 20
 """So many unreadable samples a second are kept as they came: the rest is only counted, for a flood of them is
 many times as much as all else that is recorded."""
