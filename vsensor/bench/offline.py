@@ -10,6 +10,7 @@ from typing import ParamSpec, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from vsensor.bench.record import endless
 from vsensor.bench.table import Table
 from vsensor.config import Rig, load
 from vsensor.demo import example
@@ -20,14 +21,10 @@ from vsensor.intake.arrivals import Arrivals
 from vsensor.intake.stretch import laid
 from vsensor.messages import Sample
 from vsensor.offline import Offline
-from vsensor.simulate.rig import SimulatedRig
-from vsensor.simulate.scenario import PLANS, Scenario
 from vsensor.tables import SurfaceTable, write_estimates
 
 SPEED_UP = 720
 """Seconds of samples for each second asked for: five make an hour."""
-SIMULATED_S = 60.0
-"""So much is simulated, then repeated: a rig takes longer to simulate than to sense."""
 CHUNK = 2000
 """Ticks for which each stage is timed before the next has its turn."""
 
@@ -100,14 +97,9 @@ def _spent(stages: Stages) -> dict[str, float]:
 
 
 def surface_table(rig: Rig, rows: int) -> SurfaceTable:
-    """Surface samples of a simulated rig in stick-slip, a minute over and over."""
-    simulated = SimulatedRig(rig, PLANS[Scenario.STICK_SLIP], seed=1)
-    minute = [simulated.sample() for _ in range(min(rows, round(SIMULATED_S * rig.loop.rate)))]
-    return SurfaceTable.at_seconds(
-        np.arange(rows) / rig.loop.rate,
-        np.resize([reading.motor_torque for reading in minute], rows),
-        np.resize([reading.motor_speed for reading in minute], rows),
-    )
+    """Surface samples of a simulated rig: a rig takes longer to simulate than to sense, so over and over."""
+    torque, speed = (np.resize(once, rows) for once in endless(rig))
+    return SurfaceTable.at_seconds(np.arange(rows) / rig.loop.rate, torque, speed)
 
 
 def _run(rig: Rig, surface: SurfaceTable, stages: Stages) -> tuple[int, int, Columns]:
