@@ -13,7 +13,7 @@ from vsensor.estimator.gains import Gains
 from vsensor.estimator.responses import rock_fade
 from vsensor.estimator.sections import Floats
 
-ALONE = {"enabled": False, "delay": 1e-6, "inertia": 1e-6, "friction": 1e-6}
+ALONE = {"enabled": False, "delay": 1e-6, "impedance": 1e-6, "inertia": 1e-6, "friction": 1e-6}
 """The configuration is the truth, and known to be."""
 LOSSY = PIPE.model_copy(update={"length": 600.0, "viscous_friction": 0.1})
 LINEAR = rig(

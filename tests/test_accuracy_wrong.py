@@ -3,7 +3,15 @@
 import numpy as np
 import pytest
 
-from tests.accuracy.wrong import rough_law, wrong_friction, wrong_inertia, wrong_law, wrong_modulus, wrongs
+from tests.accuracy.wrong import (
+    rough_law,
+    wrong_friction,
+    wrong_inertia,
+    wrong_law,
+    wrong_modulus,
+    wrong_wall,
+    wrongs,
+)
 from tests.strings import BIT, COLLAR, DRIVE, PIPE, rig
 from vsensor.config import Bit, Rig
 from vsensor.estimator import component
@@ -21,6 +29,18 @@ def test_a_wrong_modulus_slows_the_wave_and_nothing_else() -> None:
     for part, right in zip(wrong.string, RIG.string, strict=True):
         assert component.delay(part) == pytest.approx(component.delay(right) / np.sqrt(0.97))
         assert part.model_copy(update={"shear_modulus": right.shear_modulus}) == right
+    assert wrong.model_copy(update={"string": RIG.string}) == RIG
+
+
+def test_a_wrong_wall_raises_the_impedance_and_not_the_waves_travel_time() -> None:
+    wrong = wrong_wall(RIG)
+    for part, right in zip(wrong.string, RIG.string, strict=True):
+        assert part.outer_diameter - part.inner_diameter == pytest.approx(
+            1.05 * (right.outer_diameter - right.inner_diameter)
+        )
+        assert component.delay(part) == pytest.approx(component.delay(right))
+        assert component.impedance(part) > 1.005 * component.impedance(right)
+        assert part.model_copy(update={"inner_diameter": right.inner_diameter}) == right
     assert wrong.model_copy(update={"string": RIG.string}) == RIG
 
 
@@ -54,7 +74,7 @@ def test_each_wrong_rig_is_one_that_a_file_could_give_and_differs_from_the_other
     assert rigs[0] is RIG
     for one in rigs:
         assert Rig.model_validate(one.model_dump()) == one
-    assert len({one.model_dump_json() for one in rigs}) == len(rigs) == 8
+    assert len({one.model_dump_json() for one in rigs}) == len(rigs) == 9
 
 
 def test_all_together_is_each_at_once() -> None:

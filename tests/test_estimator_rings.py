@@ -9,7 +9,7 @@ from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.ring import SPARE
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import State
-from vsensor.estimator.tune import BOUND, DELAY
+from vsensor.estimator.tune import BOUND, DELAY, PARAMETERS
 from vsensor.jit import COMPILED
 
 if not COMPILED:
@@ -22,7 +22,7 @@ STEPS = {500.0: 1, 50.0: 5, 20.0: 13}
 def corrected_to_its_bound(unsure: Rig) -> Estimator:
     estimator = Estimator(unsure)
     saved = estimator.save()
-    saved["tuning.value"] = np.zeros(4)
+    saved["tuning.value"] = np.zeros(PARAMETERS)
     saved["tuning.value"][DELAY] = BOUND * unsure.tuning.delay
     estimator.restore(saved)
     return estimator

@@ -1,4 +1,4 @@
-"""Scores, restlessness of the rock, and corrections of the configuration: each against what made its data."""
+"""Scores, and restlessness of the rock: each against what made its data."""
 
 import math
 
@@ -8,16 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.observer import LINEAR
-from vsensor.config import Tuning as Settings
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.gains import ROCK_LEVELS
 from vsensor.estimator.rock import weigh_rock
 from vsensor.estimator.score import NOW, REST, SPEED, expect, foretell, fresh_scores, missed, score
 from vsensor.estimator.sections import Floats
-from vsensor.estimator.tune import BIAS, BOUND, DELAY, Tuning, correct_delay, fresh_tuning, wall_torque
+from vsensor.estimator.tune import wall_torque
 
 RATE = 50.0
-OFF = 0.008
 
 
 TURNS = 10.0
@@ -130,58 +128,6 @@ def test_a_bit_that_hardly_turns_says_nothing_of_the_rock(estimator: Estimator) 
     before = estimator._state.rock_square[0]
     weigh_rock(estimator._model, estimator._state, 0.3, 9e4)
     assert estimator._state.rock_square[0] == before
-
-
-def misfits(tuning: Tuning, longer: float, sharp: float) -> None:
-    """What three strings miss by if delays that much longer than configured are right."""
-    apart = float(tuning.value[DELAY]) - longer
-    tuning.misfit[:] = 1e4 + sharp * np.array([apart, apart + OFF, apart - OFF]) ** 2
-
-
-def told(longer: float, sharp: float, rounds: int = 12) -> float:
-    """What the delay is corrected to, each time after misfits of a parabola about what is right."""
-    tuning = fresh_tuning(Settings(), 1.0)
-    for _ in range(rounds):
-        misfits(tuning, longer, sharp)
-        correct_delay(tuning, OFF, True)
-    return float(tuning.value[DELAY])
-
-
-@pytest.mark.parametrize("longer", [0.015, -0.015])
-def test_a_parabola_of_misfits_leads_to_the_truth(longer: float) -> None:
-    assert told(longer, sharp=1e9) == pytest.approx(longer, rel=0.02)
-
-
-def test_what_is_right_stays_and_what_is_unsure_stays() -> None:
-    assert told(0.0, sharp=1e9) == 0.0
-    assert told(0.01, sharp=1.0) == 0.0
-
-
-def test_no_correction_goes_beyond_three_deviations_and_none_is_made_when_switched_off() -> None:
-    assert told(1.0, sharp=1e9, rounds=60) == pytest.approx(BOUND * 0.01)
-    tuning = fresh_tuning(Settings(), 1.0)
-    misfits(tuning, 0.015, sharp=1e9)
-    assert not correct_delay(tuning, OFF, False)
-    assert (tuning.value == 0).all()
-
-
-def test_however_long_the_record_a_delay_is_told_no_better_than_by_what_else_looks_like_it() -> None:
-    tuning = fresh_tuning(Settings(), 1.0)
-    misfits(tuning, 0.0, sharp=1e12)
-    correct_delay(tuning, OFF, True)
-    assert tuning.variance[DELAY] ** 0.5 == pytest.approx(BIAS, rel=0.01)
-
-
-def test_what_the_record_holds_for_likelier_but_is_not_taken_up_stays_in_doubt() -> None:
-    """Switched off, a delay that is wrong is known to be, and the deviation says so.
-
-    With all that was configured where a shadow is nearer: the valley's floor was not seen.
-    """
-    for wrong, besides in ((0.4 * OFF, BIAS), (0.015, Settings().delay)):
-        tuning = fresh_tuning(Settings(), 1.0)
-        misfits(tuning, wrong, sharp=1e9)
-        correct_delay(tuning, OFF, False)
-        assert tuning.variance[DELAY] ** 0.5 == pytest.approx(math.hypot(wrong, besides), rel=0.05)
 
 
 def test_the_walls_torque_is_that_of_all_junctions_and_against_the_motion(linear: Estimator) -> None:

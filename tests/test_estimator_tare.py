@@ -83,7 +83,7 @@ def test_inertia_and_wall_are_parted_where_the_string_speeds_up() -> None:
 
 
 def test_no_tare_goes_beyond_three_deviations_and_none_is_taken_up_when_switched_off() -> None:
-    for enabled, most in ((True, 3 * 0.15), (False, 0.0)):
+    for enabled, most in ((True, 3 * Settings().friction), (False, 0.0)):
         tuning = fresh_tuning(Settings(), 1.0)
         for _ in range(500):
             weigh_tare(tuning, 0.0, 5e3, 5e3, 100.0**2, RATE)

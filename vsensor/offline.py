@@ -40,7 +40,7 @@ class Offline:
 
     @property
     def tuning(self) -> NDArray[np.float64]:
-        """Corrections that the record made: see `Estimator.tuning`, shape (4,)."""
+        """Corrections that the record made: see `Estimator.tuning`, shape (5,)."""
         return self._estimator.tuning
 
     def take_up(self, state: State) -> None:

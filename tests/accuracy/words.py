@@ -13,7 +13,8 @@ The cases were written by an independent program, a finely gridded solution of t
 the noise of real channels: 80 N·m and 0.015 rad/s. Scored from 10 s on. *Share* is the rms error of bit
 speed over the range of the true one; *within 2σ*, the share of errors within two stated standard
 deviations, about 95% where a sensor is honest: those of ours hold noise, rock, and what is uncertain of
-delay, inertia and wall friction by `[tuning]`. The load law starts from the true one and is learned on.
+delay, impedance, inertia and wall friction by `[tuning]`. The load law starts from the true one and is
+learned on.
 
 Two yardsticks come first. *Surface speed* is what a driller sees today, taken for the bit's. *Two lumps* is
 a Kalman filter for the string as two inertias and a spring, with the same configuration, wall friction
@@ -71,26 +72,28 @@ one that turns evenly a narrow one, of which the same error is a larger share.
 WRONG = """
 ## With the configuration wrong
 
-Each case again with a configuration that is wrong on purpose. Friction is the wall's, viscous and Coulomb;
-the load law is the first guess, viscous, kinetic and static. Shares and torque errors are rms as above, each
+Each case again with a configuration that is wrong on purpose. *Wall* is that of pipe and collars, whose bore
+has worn unknown to anyone; *all* is all but that. Friction is the borehole's, viscous and Coulomb; the load
+law is the first guess, viscous, kinetic and static. Shares and torque errors are rms as above, each
 scored from 10 s on, and in brackets from 40 s on, where a sensor that finds out has had its time (there a
 share is of the range from 40 s on). *Two lumps* is the yardstick as late as our confirmed answer, wrong in
 the same way, tuned by the truth as above. Surface speed cannot be configured wrongly.
 
-The last three columns are what the sensor had corrected of itself by the end of the record, `[tuning]` as it
-is by default: it begins after a minute. Right would be −1.5% of the delay for G −3 %, −9.1% of the
-inertia for +10 %, +43% of the friction for −30 %, and nothing where nothing is wrong. Inertia and friction
-it corrects only off bottom, and only where it is told so: on bottom, wall and bit take of the torque
-together, and nothing measured above parts them. So the last rows of each table begin with *a tare*, as each
-connection gives it: for {tare:.0f} s the true string was turned off bottom by the simulated rig, at
-{slow:.0f} and then at {turned:.0f} rpm, and the record goes on with what the wrongly configured sensor had
-learned of it."""
+The last four columns are what the sensor had corrected of itself by the end of the record, `[tuning]` as it
+is by default: it begins after a minute. Right would be −1.5% of the delay for G −3 %, some −4% of the
+impedance for a wall of +5 % (−3.7% of the pipe's, less of the collars'), −9.1% of the inertia for +10 %,
++43% of the friction for −30 %, and nothing where nothing is wrong. Delay and impedance stick-slip tells.
+Inertia and friction it corrects only off bottom, and only where it is told so: on bottom, borehole and bit
+take of the torque together, and nothing measured above parts them. So the last rows of each table begin with
+*a tare*, as each connection gives it: for {tare:.0f} s the true string was turned off bottom by the simulated
+rig, at {slow:.0f} and then at {turned:.0f} rpm, and the record goes on with what the wrongly configured
+sensor had learned of it."""
 
 WRONG_ROWS = """
 | what is wrong | two lumps share | confirmed share | confirmed torque, kN·m | now share | forecast share \
 | confirmed speed within 2σ | confirmed torque within 2σ | now speed within 2σ | forecast speed within 2σ \
-| delay corrected | inertia corrected | friction corrected |
-| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"""
+| delay corrected | impedance corrected | inertia corrected | friction corrected |
+| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"""
 
 SCRATCH = """
 ## With the law learned from scratch

@@ -4,13 +4,23 @@ from collections.abc import Mapping
 
 from vsensor.config import Component, Rig
 
-MODULUS, INERTIA, FRICTION = 0.97, 1.1, 0.7
+MODULUS, WALL, INERTIA, FRICTION = 0.97, 1.05, 1.1, 0.7
 LAW_UP, LAW_DOWN = 1.5, 0.5
 
 
 def wrong_modulus(rig: Rig, factor: float = MODULUS) -> Rig:
     """Shear modulus of every component times `factor`: travel time and impedance turn wrong."""
     return _each_component(rig, "shear_modulus", factor=factor)
+
+
+def wrong_wall(rig: Rig, factor: float = WALL) -> Rig:
+    """Every component's wall times `factor`, by its bore, as if worn ones were new: impedance turns wrong."""
+
+    def thicker(part: Component) -> Component:
+        bore = part.outer_diameter - factor * (part.outer_diameter - part.inner_diameter)
+        return part.model_copy(update={"inner_diameter": max(0.0, bore)})
+
+    return rig.model_copy(update={"string": tuple(thicker(part) for part in rig.string)})
 
 
 def wrong_inertia(rig: Rig, factor: float = INERTIA) -> Rig:
@@ -38,11 +48,12 @@ def rough_law(rig: Rig) -> Rig:
 
 
 def wrongs(rig: Rig) -> Mapping[str, Rig]:
-    """Each wrong alone and all together, by name; the right one first."""
+    """Each wrong alone, and all together but for the wall, by name; the right one first."""
     hardware = wrong_friction(wrong_inertia(wrong_modulus(rig)))
     return {
         "nothing": rig,
         "G −3 %": wrong_modulus(rig),
+        "wall +5 %": wrong_wall(rig),
         "inertia +10 %": wrong_inertia(rig),
         "friction −30 %": wrong_friction(rig),
         "load law +50 %": wrong_law(rig, LAW_UP),

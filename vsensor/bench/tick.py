@@ -19,13 +19,12 @@ from vsensor.estimator.observe import note_rest, observe, settle
 from vsensor.estimator.ring import mask_of
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import Model, State
-from vsensor.estimator.tune import SETTLED_S
 from vsensor.jit import compiled
 
 TICKS = 50
 """Ticks run at once: about a millisecond."""
-BEFORE_S = SETTLED_S + 5
-"""The record is run so far before anything is timed, until the shadows are listened to."""
+BEFORE_S = 65.0
+"""The record is run so far before anything is timed, until law and string are known."""
 TIMED_S = 20.0
 """So much of the record is gone through over and over."""
 CONFIRMED, TUNED = range(2)
@@ -127,7 +126,7 @@ def _run(model: Model, state: State, torque: Floats, speed: Floats, part: int, t
             lose_sight(state.learned)
         else:
             study.study_rock(model, state)
-            if part == TUNED and state.ticks[0] > SETTLED_S * model.rate:
+            if part == TUNED:
                 study.study_string(model, state)
         at = study.confirmed_step(model, state) & mask_of(state.told.shape[2])
         for q in range(2):

@@ -31,8 +31,9 @@ class Tuning(Table):
 
     enabled: Switch = True
     delay: Share = Field(default=0.01, description="a share such as 0.01")
+    impedance: Share = Field(default=0.02, description="a share such as 0.02")
     inertia: Share = Field(default=0.05, description="a share such as 0.05")
-    friction: Share = Field(default=0.15, description="a share such as 0.15")
+    friction: Share = Field(default=0.25, description="a share such as 0.25")
     torque_offset: Torque = Field(default=0.0, description='a torque such as "200 N*m"')
 
 

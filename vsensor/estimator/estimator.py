@@ -14,6 +14,7 @@ from vsensor.estimator.arrays import LEARNED, fill, flat, is_learned
 from vsensor.estimator.carry import carry
 from vsensor.estimator.known import Known
 from vsensor.estimator.learn import lose_sight
+from vsensor.estimator.misfit import SETTLED_S, correct_by_misfit
 from vsensor.estimator.model import model_of, timed, with_length
 from vsensor.estimator.observe import shift_torque
 from vsensor.estimator.responses import TOLD_BIT_SPEED, TOLD_TOP_SPEED
@@ -22,7 +23,7 @@ from vsensor.estimator.sections import Floats, cut, junction_depths, steps_per_t
 from vsensor.estimator.sound import refuse_unsound
 from vsensor.estimator.state import NONE, Model, State, fresh, heard
 from vsensor.estimator.tare import correct_by_tare
-from vsensor.estimator.tune import DELAY, EVERY_S, INERTIA, OFFSET, correct_delay, tuned
+from vsensor.estimator.tune import EVERY_S, INERTIA, OFFSET, tuned
 
 LENGTH = "length"
 """The name under which a saved state holds the length of the topmost component, m;"""
@@ -262,12 +263,16 @@ class Estimator(Known):
     def _correct(self) -> None:
         tuning, enabled = self._state.tuning, self._rig.tuning.enabled
         offset = float(tuning.value[OFFSET])
-        delayed = correct_delay(tuning, float(self._model.off[DELAY]), enabled)
-        if correct_by_tare(tuning, enabled) or delayed:
+        heard = correct_by_misfit(tuning, self._model.off, enabled and self._settled())
+        if correct_by_tare(tuning, enabled) or heard:
             shift_torque(self._model, self._state, float(tuning.value[OFFSET]) - offset)
             # What is in the lines stays there: they are read at other delays from now on.
             self._run_by(self._corrected())
             self._state.course[:] = NONE
+
+    def _settled(self) -> bool:
+        model = self._model
+        return bool(self._state.ticks[0] > SETTLED_S * model.rate or not model.learns)
 
     def _new(self) -> State:
         return fresh(self._configured, self._rig.bit, self._rig.tuning)

@@ -29,7 +29,7 @@ from vsensor.estimator.study import (
     study_string,
     study_wall,
 )
-from vsensor.estimator.tune import DELAY, FRICTION, INERTIA, OFFSET, SETTLED_S, STRINGS, wall_torque
+from vsensor.estimator.tune import DELAY, FRICTION, OFFSET, SHADOWED, STRINGS, wall_torque
 from vsensor.jit import compiled, inlined
 from vsensor.quality import Reason
 
@@ -150,7 +150,7 @@ def _take(model: Model, state: State, torque: float, speed: float, reasons: int,
         study_rock(model, state)
     else:
         await_rock(model, state)
-    if not doubts and (state.ticks[0] > SETTLED_S * model.rate or not model.learns):
+    if not doubts:
         study_string(model, state)
     _expect(model, state, _kinds(reasons))
     _lay_out(model, state, doubts, out)
@@ -173,13 +173,13 @@ def _doubt(model: Model, state: State, quantity: int, step: int) -> float:
     """Variance of a confirmed answer: by noise and rock, and by what is uncertain of the parameters."""
     mask = mask_of(state.told.shape[2])
     by_noise = doubt_by_noise(model, state, quantity)
-    # With longer delays the bit of a moment is seen later.
-    longer = state.told[1, quantity, (step + model.shift) & mask]
-    shorter = state.told[2, quantity, (step - model.shift) & mask]
-    heavier, lighter = state.told[3, quantity, step & mask], state.told[4, quantity, step & mask]
     unsure = state.tuning.variance
-    by_parameters = unsure[DELAY] * ((longer - shorter) / (2.0 * model.off[DELAY])) ** 2
-    by_parameters += unsure[INERTIA] * ((heavier - lighter) / (2.0 * model.off[INERTIA])) ** 2
+    by_parameters = 0.0
+    for p in range(SHADOWED):
+        later = model.shift if p == DELAY else 0  # with longer delays the bit of a moment is seen later
+        more = state.told[1 + 2 * p, quantity, (step + later) & mask]
+        less = state.told[2 + 2 * p, quantity, (step - later) & mask]
+        by_parameters += unsure[p] * ((more - less) / (2.0 * model.off[p])) ** 2
     if quantity == TOLD_BIT_TORQUE:
         # The wall's own speed is the top's at least on average: it rubs where the bit rests.
         top = step - (model.now - model.behind * model.steps)

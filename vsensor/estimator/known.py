@@ -94,12 +94,12 @@ class Known:
 
     @property
     def tuning(self) -> Floats:
-        """Corrections in force: shares of delay, inertia and friction, and the torque's offset, N·m; (4,)."""
+        """Corrections in force: delay, impedance, inertia, friction (shares), torque's offset, N·m; (5,)."""
         return self._state.tuning.value.copy()
 
     @property
     def tuning_std(self) -> Floats:
-        """Standard deviations of what they leave uncertain, shape (4,)."""
+        """Standard deviations of what they leave uncertain, shape (5,)."""
         return np.asarray(np.sqrt(self._state.tuning.variance))
 
     @property

@@ -12,13 +12,14 @@ from vsensor.estimator.responses import Plant, rock_fade
 from vsensor.estimator.score import FORECAST, HORIZONS, NOW
 from vsensor.estimator.sections import Integers, Line, longest_round_trips, stretched
 from vsensor.estimator.state import Model
-from vsensor.estimator.tune import BOUND
+from vsensor.estimator.tune import BOUND, SHADOWED
 
 STICK_S = 0.1
 """A bit foretold to rest for so long sticks: shorter stops are the turning points of an oscillation."""
 ROUND_TRIPS = 2
 """After so many the waves that were guessed at the start, those of steady rotation, are forgotten."""
 SHADOW_DELAY = 0.008
+SHADOW_IMPEDANCE = 0.03
 SHADOW_INERTIA = 0.05
 """How far the shadows are off: enough to be told apart from rounding, too little to be another string."""
 
@@ -52,7 +53,7 @@ def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
         round_trips=line.round_trip[None],
         mobilities=np.zeros((1, len(line.impedance) - 1)),
         drive_rates=np.array([plant.drive_rate]),
-        off=np.zeros(2),
+        off=np.zeros(SHADOWED),
         inside=longest_round_trips(line, BOUND * rig.tuning.delay + SHADOW_DELAY),
         shift=0,
         gains=gains(plant, at, lag, (_horizons(line, behind * steps, horizon, beyond) / steps).tolist()),
@@ -88,22 +89,27 @@ def timed(model: Model) -> Model:
 
 
 def _shadowed(model: Model) -> Model:
-    """The model with shadows that are a little off: longer delays, shorter ones, more inertia, less."""
+    """The model with shadows that are a little off: more and less of delay, of impedance, of inertia."""
     line, drive = model.line, float(model.drive_rates[0])
     shift = max(1, round(SHADOW_DELAY * line.depth[-1]))
     delay = shift / float(line.depth[-1])
     longer, shorter = stretched(line, delay), stretched(line, -delay)
-    lines = (line, longer, shorter, line, line)
+    thicker, thinner = (_of_impedance(line, 1 + share) for share in (SHADOW_IMPEDANCE, -SHADOW_IMPEDANCE))
+    lines = (line, longer, shorter, thicker, thinner, line, line)
     impedances = np.array([each.impedance for each in lines])
     more, less = 1 + SHADOW_INERTIA, 1 - SHADOW_INERTIA
     return model._replace(
         impedances=impedances,
         round_trips=np.array([each.round_trip for each in lines]),
         mobilities=1.0 / (impedances[:, :-1] + impedances[:, 1:] + line.viscous[1:-1]),
-        drive_rates=drive * np.array([1.0, 1.0, 1.0, more, less]),
-        off=np.array([delay, SHADOW_INERTIA]),
+        drive_rates=drive * np.array([1.0, 1.0, 1.0, 1.0, 1.0, more, less]),
+        off=np.array([delay, SHADOW_IMPEDANCE, SHADOW_INERTIA]),
         shift=shift,
     )
+
+
+def _of_impedance(line: Line, share: float) -> Line:
+    return line._replace(impedance=line.impedance * share)
 
 
 def _horizons(line: Line, behind: int, horizon: int, beyond: int) -> Integers:

@@ -137,6 +137,7 @@ def _tuning(tuning: Tuning, prior: Floats) -> None:
     _within("tuning.variance", tuning.variance, 0, LARGEST**2)
     _within("tuning.shared", tuning.shared, -(LARGEST**2), LARGEST**2)
     _within("tuning.misfit", tuning.misfit, 0, SUMS)
+    _within("tuning.crossed", tuning.crossed, -SUMS, SUMS)
     deviations = np.sqrt(prior[TARED])
     _within("tuning.information", tuning.information, -SUMS, SUMS)
     _gram("tuning.information", tuning.information * np.outer(deviations, deviations))

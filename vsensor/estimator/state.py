@@ -48,7 +48,7 @@ class Model(NamedTuple):
     drive_rates: Floats
     """2 J / Δt of each string's top drive, N·m·s/rad, shape (N,)."""
     off: Floats
-    """By which share shadows are off in delay and in inertia, shape (2,)."""
+    """By which share shadows are off in delay, in impedance and in inertia, shape (3,)."""
     inside: Integers
     """Steps for which a wave may be in its section, whatever the delay is corrected to, shape (M,)."""
     shift: int

@@ -1,6 +1,7 @@
 """What each confirmed answer teaches: of the rock, of the string, of the wall."""
 
 from vsensor.estimator.learn import learn, lose_sight
+from vsensor.estimator.misfit import MEMORY_S
 from vsensor.estimator.responses import TOLD_BIT_SPEED, TOLD_BIT_TORQUE, TOLD_TOP_SPEED
 from vsensor.estimator.ring import mask_of
 from vsensor.estimator.rock import weigh_rock
@@ -8,7 +9,7 @@ from vsensor.estimator.score import EXPECTED, NOW, VALUE
 from vsensor.estimator.setdown import look_for_rock, wait_for_weight
 from vsensor.estimator.state import Model, State
 from vsensor.estimator.tare import acceleration, weigh_tare
-from vsensor.estimator.tune import MEMORY_S, wall_torque
+from vsensor.estimator.tune import wall_torque
 from vsensor.jit import compiled, inlined
 
 TRUSTED = 6.25
@@ -84,13 +85,19 @@ def _unmoved(state: State, tick: int, speed: float) -> float:
 
 @inlined
 def study_string(model: Model, state: State) -> None:
-    """Add up how well the model foresaw this tick's speed, and its shadows with longer and shorter delays."""
-    misfit = state.tuning.misfit
+    """Add up how well the model foresaw this tick's speed, and its shadows of other delays and impedances."""
+    misfit, crossed = state.tuning.misfit, state.tuning.crossed
+    surprise = 0.0
+    for which in range(misfit.shape[0]):  # the same for all: none has its own misses excused
+        surprise += state.surprise[which] / misfit.shape[0]
     by_noise = model.gains.innovation[state.level[0]] * state.noisier[0]
-    expected = by_noise * max(LEAST_SURPRISE, state.surprise[0])
+    expected = by_noise * max(LEAST_SURPRISE, surprise)
     keep = 1.0 - 1.0 / (MEMORY_S * model.rate)
     for which in range(misfit.shape[0]):
         misfit[which] = keep * misfit[which] + state.innovation[which] ** 2 / expected
+    by_delay = state.innovation[1] - state.innovation[2]
+    by_impedance = state.innovation[3] - state.innovation[4]
+    crossed[0] = keep * crossed[0] + by_delay * by_impedance / expected
 
 
 @inlined

@@ -65,6 +65,10 @@ GAUGES = {
         "Standard deviation of the bit's torque about the load law.",
     ),
     "delay_correction": ("delay_correction_ratio", "What the record corrected of the waves' travel time."),
+    "impedance_correction": (
+        "impedance_correction_ratio",
+        "What the record corrected of the string's impedance.",
+    ),
     "inertia_correction": (
         "inertia_correction_ratio",
         "What the record corrected of the top drive's inertia.",

@@ -207,6 +207,7 @@ class Health:
         status.law_static_nm, status.law_stribeck_rad_s = law.static_torque, law.stribeck_speed
         corrections = zip(estimator.tuning.tolist(), estimator.tuning_std.tolist(), strict=True)
         (status.delay_correction, status.delay_correction_std) = next(corrections)
+        (status.impedance_correction, status.impedance_correction_std) = next(corrections)
         (status.inertia_correction, status.inertia_correction_std) = next(corrections)
         (status.friction_correction, status.friction_correction_std) = next(corrections)
         (status.torque_offset_nm, status.torque_offset_std_nm) = next(corrections)

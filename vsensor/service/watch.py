@@ -102,7 +102,7 @@ class Watch:
         """Motor speed from which the string turns, rad/s."""
         self._slow_since_ns: int | None = None
         self._turned_ns: int | None = None
-        self._tuning: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+        self._tuning: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0)
         self._last_ns = time.time_ns()  # until the first tick tells the source's own time
 
     def tick(self, tick: Tick, estimate: Estimate) -> list[Event]:
@@ -190,9 +190,9 @@ class Watch:
     ) -> list[Event]:
         """Look at what the record has told of the rig.
 
-        Corrections in force: shares of delay, inertia and friction, and the torque's offset, N·m. By what
-        factor the channels are noisier than told, the steps, N·m and rad/s, in which they are read, or 0, and
-        how many ticks a reading of speed lasts, 1 or more.
+        Corrections in force: shares of delay, impedance, inertia and friction, the torque's offset, N·m. By
+        what factor the channels are noisier than told, the steps, N·m and rad/s, in which they are read, or
+        0, and how many ticks a reading of speed lasts, 1 or more.
         """
         seen = (self._look_at_corrections(*tuning), self._look_at_noise(noisier, steps, lasts))
         return [event for event in seen if event is not None]
@@ -209,14 +209,15 @@ class Watch:
         return self._noisier.see(noisier > 1, self._last_ns, details if noisier > 1 else "")
 
     def _look_at_corrections(
-        self, delay: float, inertia: float, friction: float, offset: float
+        self, delay: float, impedance: float, inertia: float, friction: float, offset: float
     ) -> Event | None:
-        if (now := (delay, inertia, friction, offset)) == self._tuning:
+        if (now := (delay, impedance, inertia, friction, offset)) == self._tuning:
             return None
         self._tuning = now
         text = (
-            f"the configuration is corrected: delay {delay:+.2%}, top-drive inertia {inertia:+.1%}, "
-            f"wall friction {friction:+.1%}, torque's zero {offset:+.0f} N·m"
+            f"the configuration is corrected: delay {delay:+.2%}, impedance {impedance:+.1%}, "
+            f"top-drive inertia {inertia:+.1%}, wall friction {friction:+.1%}, "
+            f"torque's zero {offset:+.0f} N·m"
         )
         return Event(time_ns=self._last_ns, name="self_tuning", begins=True, text=text)
 
