@@ -150,7 +150,8 @@ def test_until_it_is_found_out_the_deviations_hold_what_it_costs(worn: float) ->
     light = LONG.model_copy(update={"top_drive": TopDrive(inertia=500.0)})
     readings = stick_slip(light, 55.0)
     wrong = of_impedance(light, worn)
-    _, _, honest = runs(wrong, readings)
+    estimator, _, honest = runs(wrong, readings)
     _, _, deceived = runs(blind(wrong), readings)
+    assert (estimator.tuning == 0).all()
     assert deceived < 0.85
     assert honest > 0.9

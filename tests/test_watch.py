@@ -213,14 +213,18 @@ def test_a_stick_foretold_is_told_with_its_time() -> None:
     ]
 
 
-def test_each_correction_of_the_configuration_is_told_once() -> None:
-    watching, as_told = Watch(SMALL), (1.0, (0.0, 0.0), 1.0)
-    assert watching.learned((0.0, 0.0, 0.0, 0.0), *as_told) == []
-    (event,) = watching.learned((-0.0147, 0.0, 0.25, 120.0), *as_told)
-    assert event.text.endswith(
-        "delay -1.47%, top-drive inertia +0.0%, wall friction +25.0%, torque's zero +120 N·m"
+def test_each_correction_of_the_configuration_is_told_once_and_by_its_name() -> None:
+    watching = Watch(SMALL)
+    as_told = 1.0, (0.0, 0.0), 1.0
+    assert watching.learned((0.0, 0.0, 0.0, 0.0, 0.0), *as_told) == []
+    corrections = -0.0147, 0.022, 0.033, 0.25, 120.0
+    (event,) = watching.learned(corrections, *as_told)
+    assert (event.name, event.begins) == ("self_tuning", True)
+    assert event.text == (
+        "the configuration is corrected: delay -1.47%, impedance +2.2%, top-drive inertia +3.3%, "
+        "wall friction +25.0%, torque's zero +120 N·m"
     )
-    assert watching.learned((-0.0147, 0.0, 0.25, 120.0), *as_told) == []
+    assert watching.learned(corrections, *as_told) == []
 
 
 @pytest.mark.parametrize(
@@ -235,7 +239,7 @@ def test_each_correction_of_the_configuration_is_told_once() -> None:
 def test_channels_that_are_noisier_than_told_are_told_once(
     seen: tuple[tuple[float, float], float], told: str
 ) -> None:
-    watching, nothing = Watch(SMALL), (0.0, 0.0, 0.0, 0.0)
+    watching, nothing = Watch(SMALL), (0.0, 0.0, 0.0, 0.0, 0.0)
     (event,) = watching.learned(nothing, 3.0, *seen)
     assert (event.name, event.begins) == ("noisier", True)
     assert event.text.endswith(told)
