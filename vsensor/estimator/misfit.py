@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vsensor.estimator.sections import Floats
-from vsensor.estimator.tune import DELAY, HEARD, IMPEDANCE, SURELY, Tuning, bounded
+from vsensor.estimator.tune import DELAY, HEARD, IMPEDANCE, SURELY, Tuning, bounded, shadows
 
 MEMORY_S = 300.0
 """Time over which the record is forgotten."""
@@ -78,7 +78,7 @@ def _dues(
 
 
 def _valley(tuning: Tuning, p: int, off: float) -> Valley:
-    here, more, less = (float(tuning.misfit[i]) for i in (0, 1 + 2 * p, 2 + 2 * p))
+    here, (more, less) = float(tuning.misfit[0]), tuning.misfit[shadows(p)].tolist()
     information = WORTH * (more - 2 * here + less) / (2 * off * off)
     pull = WORTH * (less - more) / (4 * off)
     # Far from the truth the valley has no floor yet: its side tells the way, and that it is far.

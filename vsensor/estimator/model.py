@@ -12,7 +12,7 @@ from vsensor.estimator.responses import Plant, rock_fade
 from vsensor.estimator.score import FORECAST, HORIZONS, NOW
 from vsensor.estimator.sections import Integers, Line, longest_round_trips, stretched
 from vsensor.estimator.state import Model
-from vsensor.estimator.tune import BOUND, SHADOWED
+from vsensor.estimator.tune import BOUND, IMPEDANCE, INERTIA, SHADOWED, STRINGS, shadows
 
 STICK_S = 0.1
 """A bit foretold to rest for so long sticks: shorter stops are the turning points of an oscillation."""
@@ -94,22 +94,19 @@ def _shadowed(model: Model) -> Model:
     shift = max(1, round(SHADOW_DELAY * line.depth[-1]))
     delay = shift / float(line.depth[-1])
     longer, shorter = stretched(line, delay), stretched(line, -delay)
-    thicker, thinner = (_of_impedance(line, 1 + share) for share in (SHADOW_IMPEDANCE, -SHADOW_IMPEDANCE))
-    lines = (line, longer, shorter, thicker, thinner, line, line)
-    impedances = np.array([each.impedance for each in lines])
-    more, less = 1 + SHADOW_INERTIA, 1 - SHADOW_INERTIA
+    impedance, inertia = np.ones(STRINGS), np.ones(STRINGS)
+    impedance[shadows(IMPEDANCE)] += SHADOW_IMPEDANCE, -SHADOW_IMPEDANCE
+    inertia[shadows(INERTIA)] += SHADOW_INERTIA, -SHADOW_INERTIA
+    lines = (line, longer, shorter, *[line] * (STRINGS - 3))
+    impedances = impedance[:, None] * np.array([each.impedance for each in lines])
     return model._replace(
         impedances=impedances,
         round_trips=np.array([each.round_trip for each in lines]),
         mobilities=1.0 / (impedances[:, :-1] + impedances[:, 1:] + line.viscous[1:-1]),
-        drive_rates=drive * np.array([1.0, 1.0, 1.0, 1.0, 1.0, more, less]),
+        drive_rates=drive * inertia,
         off=np.array([delay, SHADOW_IMPEDANCE, SHADOW_INERTIA]),
         shift=shift,
     )
-
-
-def _of_impedance(line: Line, share: float) -> Line:
-    return line._replace(impedance=line.impedance * share)
 
 
 def _horizons(line: Line, behind: int, horizon: int, beyond: int) -> Integers:

@@ -59,6 +59,11 @@ class Tuning(NamedTuple):
     """Ticks for which the string has turned as one off bottom, shape (1,)."""
 
 
+def shadows(p: int) -> slice:
+    """Which of the strings are the shadows of one of the first parameters."""
+    return slice(1 + 2 * p, 3 + 2 * p)
+
+
 def fresh_tuning(settings: Settings, passed: float) -> Tuning:
     """Nothing told yet: what the configuration says of its own error. Gear and drive make 1 N·m `passed`."""
     shares = settings.delay, settings.impedance, settings.inertia, settings.friction
