@@ -12,6 +12,7 @@ from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.kernel import CONFIRMED, SPEED, SPEED_STD
 from vsensor.estimator.misfit import BIAS, correct_by_misfit
 from vsensor.estimator.sections import Floats
+from vsensor.estimator.study import study_string
 from vsensor.estimator.tune import BOUND, DELAY, HEARD, IMPEDANCE, Tuning, fresh_tuning
 from vsensor.simulate.rig import SimulatedRig
 from vsensor.simulate.scenario import PLANS, Scenario
@@ -101,6 +102,18 @@ def test_what_is_known_exactly_is_never_corrected() -> None:
     assert correct_by_misfit(tuning, OFF, True)
     assert tuning.value[DELAY] == tuning.variance[DELAY] == 0
     assert tuning.value[IMPEDANCE] > 0
+
+
+def test_no_string_has_its_own_misses_excused() -> None:
+    """What one misses when it has long missed weighs as much as what another does when that one has."""
+    estimator = Estimator(LONG)
+    model, state = estimator._model, estimator._state
+    model = model._replace(rate=1e9)  # nothing is forgotten meanwhile
+    for astray in range(5):
+        state.innovation[:], state.surprise[:] = 0.01, 1.0
+        state.innovation[astray], state.surprise[astray] = 0.1, 100.0
+        getattr(study_string, "py_func", study_string)(model, state)
+    assert state.tuning.misfit == pytest.approx(np.full(5, state.tuning.misfit[0]))
 
 
 def of_impedance(right: Rig, share: float) -> Rig:
