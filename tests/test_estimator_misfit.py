@@ -14,6 +14,7 @@ from vsensor.estimator.misfit import BIAS, correct_by_misfit
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.study import study_string
 from vsensor.estimator.tune import BOUND, DELAY, HEARD, IMPEDANCE, Tuning, fresh_tuning
+from vsensor.jit import COMPILED
 from vsensor.simulate.rig import SimulatedRig
 from vsensor.simulate.scenario import PLANS, Scenario
 
@@ -22,6 +23,7 @@ ALIKE = -0.75
 """Longer delays look like a lower impedance."""
 SHARE = 0.3
 """An impedance that is wrong by so much more is as bad as a delay."""
+MINUTES = pytest.mark.skipif(not COMPILED, reason="minutes of a rig: too slow without the compiler")
 LONG = rig(PIPE.model_copy(update={"length": 2500.0}), bit=BIT, top_drive=DRIVE, rate=50.0)
 
 
@@ -145,6 +147,7 @@ def runs(of: Rig, readings: Floats) -> tuple[Estimator, float, float]:
     return estimator, float(np.sqrt(np.mean(error[-1500:] ** 2))), float(np.mean(within[500:]))
 
 
+@MINUTES
 @pytest.mark.parametrize("worn", [0.04, -0.04])
 def test_pipe_whose_wall_is_not_as_told_is_found_out_by_its_stick_slip(worn: float) -> None:
     readings = stick_slip(LONG, 300.0)
@@ -158,6 +161,7 @@ def test_pipe_whose_wall_is_not_as_told_is_found_out_by_its_stick_slip(worn: flo
     assert found < 0.6 * misled
 
 
+@MINUTES
 @pytest.mark.parametrize("worn", [0.05, -0.05])
 def test_until_it_is_found_out_the_deviations_hold_what_it_costs(worn: float) -> None:
     light = LONG.model_copy(update={"top_drive": TopDrive(inertia=500.0)})
