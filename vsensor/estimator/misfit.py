@@ -20,10 +20,10 @@ WORTH = 0.05
 BIAS = (0.001, 0.007)
 """and is no better than this, one deviation, however long the record: where friction, inertia or law were
 wrong by what is usual, the likeliest delay of simulated records was off by up to a thousandth, the likeliest
-impedance by seven thousandths on average (rms)."""
+impedance by six (rms)."""
 FLOOR = 0.02
 """A valley has a floor where innovations with more and with less are worse by such a share. With a delay that
-was wrong by a sixth what looked like one was 1.4 % deep at the most."""
+was wrong by a sixth what looked like one was 1.1 % deep at the most."""
 ALIKE = 0.8
 """They are taken to look no more alike than by such a correlation: that of simulated stick-slip."""
 SETTLED_S = 60.0
