@@ -11,7 +11,17 @@ from typing import NamedTuple
 import numpy as np
 
 from vsensor.estimator.sections import Floats
-from vsensor.estimator.tune import DELAY, HEARD, IMPEDANCE, SURELY, Tuning, bounded, shadows
+from vsensor.estimator.tune import (
+    DELAY,
+    HEARD,
+    IMPEDANCE,
+    SURELY,
+    Matrix,
+    Tuning,
+    bounded,
+    posterior,
+    shadows,
+)
 
 MEMORY_S = 300.0
 """Time over which the record is forgotten."""
@@ -44,8 +54,9 @@ def correct_by_misfit(tuning: Tuning, off: Floats, enabled: bool) -> bool:
     """Take up corrections that are due; whether there were any. `off`, shape (3,): the shadows' shares."""
     valleys = [_valley(tuning, p, float(off[p])) for p in (DELAY, IMPEDANCE)]
     together = all(valley.floor for valley in valleys)
-    crossed = WORTH * float(tuning.crossed[0] / (4 * off[DELAY] * off[IMPEDANCE]))
-    covariance = _covariance(tuning.prior[HEARD].tolist(), valleys, crossed if together else 0.0)
+    one, other = (valley.information for valley in valleys)
+    crossed = _crossed(tuning, off, ALIKE * math.sqrt(one * other)) if together else 0.0
+    covariance = posterior(tuning.prior[HEARD].tolist(), [[one, crossed], [crossed, other]])
     dues = _dues(tuning, valleys, covariance, together)
     known = [covariance[p][p] + BIAS[p] ** 2 for p in (DELAY, IMPEDANCE)]
     for p, valley in enumerate(valleys):
@@ -62,9 +73,7 @@ def correct_by_misfit(tuning: Tuning, off: Floats, enabled: bool) -> bool:
     return True
 
 
-def _dues(
-    tuning: Tuning, valleys: list[Valley], covariance: list[list[float]], together: bool
-) -> list[float]:
+def _dues(tuning: Tuning, valleys: list[Valley], covariance: Matrix, together: bool) -> list[float]:
     """What is likeliest to be missing of delay and of impedance."""
     dues = [
         bounded(tuning, p, sum(c * valley.pull for c, valley in zip(row, valleys, strict=True)))
@@ -77,22 +86,15 @@ def _dues(
     return dues
 
 
+def _crossed(tuning: Tuning, off: Floats, most: float) -> float:
+    """Information on both at once."""
+    crossed = WORTH * float(tuning.crossed[0] / (4 * off[DELAY] * off[IMPEDANCE]))
+    return min(max(crossed, -most), most)
+
+
 def _valley(tuning: Tuning, p: int, off: float) -> Valley:
     here, (more, less) = float(tuning.misfit[0]), tuning.misfit[shadows(p)].tolist()
     information = WORTH * (more - 2 * here + less) / (2 * off * off)
     pull = WORTH * (less - more) / (4 * off)
     # Far from the truth the valley has no floor yet: its side tells the way, and that it is far.
     return Valley(max(information, abs(pull) / (2 * off)), pull, min(more, less) > (1 + FLOOR) * here)
-
-
-def _covariance(prior: list[float], valleys: list[Valley], crossed: float) -> list[list[float]]:
-    """(P⁻¹ + A)⁻¹ of prior variances P and information A; what has no prior variance has none afterwards."""
-    one, other = (valley.information for valley in valleys)
-    most = ALIKE * math.sqrt(one * other)
-    d, e = (variance**0.5 for variance in prior)
-    a, b, c = 1 + d * one * d, 1 + e * other * e, d * min(max(crossed, -most), most) * e
-    determinant = a * b - c * c
-    return [
-        [d * b / determinant * d, -d * c / determinant * e],
-        [-d * c / determinant * e, e * a / determinant * e],
-    ]

@@ -7,7 +7,7 @@ torque, an offset with nothing (linear regression with normal priors, Box and Ti
 
 from vsensor.estimator.ring import mask_of
 from vsensor.estimator.sections import Floats
-from vsensor.estimator.tune import FRICTION, INERTIA, OFFSET, SURELY, TARED, Tuning, bounded
+from vsensor.estimator.tune import FRICTION, INERTIA, OFFSET, SURELY, TARED, Tuning, bounded, posterior
 from vsensor.jit import compiled
 
 MEMORY_S = 30.0
@@ -17,8 +17,6 @@ APART_S = 1.0
 RAMP_S = 0.25
 """A shorter string's acceleration is taken over so long to either side."""
 
-Matrix = list[list[float]]
-
 
 def correct_by_tare(tuning: Tuning, enabled: bool) -> bool:
     """Take up the corrections that are due; whether there were any.
@@ -26,7 +24,7 @@ def correct_by_tare(tuning: Tuning, enabled: bool) -> bool:
     All together: what is left of the torque may be surely theirs, and no single one's surely.
     """
     pulls = tuning.pulls.tolist()
-    covariance = _covariance(tuning.prior[TARED].tolist(), tuning.information.tolist())
+    covariance = posterior(tuning.prior[TARED].tolist(), tuning.information.tolist())
     dues = [sum(c * pull for c, pull in zip(row, pulls, strict=True)) for row in covariance]
     surely = sum(due * pull for due, pull in zip(dues, pulls, strict=True)) > SURELY**2
     taken = [0.0] * len(dues)
@@ -42,23 +40,6 @@ def correct_by_tare(tuning: Tuning, enabled: bool) -> bool:
     friction, offset = FRICTION - INERTIA, OFFSET - INERTIA
     tuning.shared[0] = covariance[friction][offset] + left[friction] * left[offset]
     return any(taken)
-
-
-def _covariance(prior: list[float], information: Matrix) -> Matrix:
-    """(P⁻¹ + A)⁻¹ of prior variances P and information A; what has no prior variance has none afterwards.
-
-    As D (1 + D A D)⁻¹ D with D² = P, by cofactors: a library's last bits differ from machine to machine.
-    """
-    d = [variance**0.5 for variance in prior]
-    m = [[(i == j) + d[i] * information[i][j] * d[j] for j in range(3)] for i in range(3)]
-    cofactors = [[_cofactor(m, i, j) for j in range(3)] for i in range(3)]
-    determinant = sum(m[0][j] * cofactors[0][j] for j in range(3))
-    return [[d[i] * cofactors[j][i] / determinant * d[j] for j in range(3)] for i in range(3)]
-
-
-def _cofactor(m: Matrix, i: int, j: int) -> float:
-    r, s, t, u = (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3
-    return m[r][t] * m[s][u] - m[r][u] * m[s][t]
 
 
 @compiled

@@ -34,6 +34,9 @@ SURELY = 2.0
 """and only where it exceeds so many of its own deviations."""
 
 
+Matrix = list[list[float]]
+
+
 class Tuning(NamedTuple):
     """What is known of the parameters: shares of what is configured, and the torque's offset in N·m."""
 
@@ -85,6 +88,23 @@ def bounded(tuning: Tuning, p: int, due: float) -> float:
     """As much of a correction as leaves a parameter within its bounds."""
     value, bound = float(tuning.value[p]), BOUND * float(tuning.prior[p]) ** 0.5
     return float(min(max(due, -bound - value), bound - value))
+
+
+def posterior(prior: list[float], information: Matrix) -> Matrix:
+    """(P⁻¹ + A)⁻¹ of prior variances P and information A; what has no prior variance has none afterwards.
+
+    As D (1 + D A D)⁻¹ D with D² = P, by elimination: a library's last bits differ from machine to machine.
+    """
+    n, d = len(prior), [variance**0.5 for variance in prior]
+    rows = [
+        [(i == j) + d[i] * information[i][j] * d[j] for j in range(n)] + [float(i == j) for j in range(n)]
+        for i in range(n)
+    ]
+    for i, row in enumerate(rows):
+        row[:] = [value / row[i] for value in row]
+        for other in rows[:i] + rows[i + 1 :]:
+            other[:] = [a - other[i] * b for a, b in zip(other, row, strict=True)]
+    return [[d[i] * rows[i][n + j] * d[j] for j in range(n)] for i in range(n)]
 
 
 def tuned(line: Line, value: Floats) -> Line:
