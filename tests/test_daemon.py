@@ -1,5 +1,6 @@
 """One life of a daemon, from its first second to its end, with all that a bus can throw at it."""
 
+import math
 from itertools import pairwise
 from pathlib import Path
 from typing import cast
@@ -24,6 +25,7 @@ from vsensor.messages import (
     SURFACE_TORQUE,
     Description,
     Estimate,
+    Event,
     Profile,
     Sample,
     Status,
@@ -115,8 +117,13 @@ def test_the_string_is_told_ten_times_a_second_at_the_confirmed_time(life: Life)
     estimates = {e.number: e for e in cast("list[Estimate]", life.recorded(BIT_ESTIMATE))}
     recorded = {p.number: p for p in cast("list[Profile]", life.recorded(STRING_PROFILE))}
     known = [n for n, e in estimates.items() if n % 5 == 0 and e.HasField("confirmed_bit_speed_rad_s")]
-    assert sorted(recorded) == sorted(known)
     assert len(known) > 50
+    # On a busy machine the loop may leave it out for some seconds, and says so.
+    told = cast("list[Event]", life.recorded(SENSOR_EVENT))
+    shed_ns = min((e.time_ns for e in told if e.name == "profile_shed"), default=math.inf)
+    known = [n for n in known if estimates[n].time_ns < shed_ns]
+    assert [n for n in sorted(recorded) if estimates[n].time_ns < shed_ns] == sorted(known)
+    assert known
     for number, profile in recorded.items():
         assert profile.time_ns == estimates[number].confirmed_time_ns
         speed = estimates[number].confirmed_bit_speed_rad_s

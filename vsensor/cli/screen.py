@@ -24,6 +24,7 @@ class Screen:
         self._course = course
         self._leg: Leg = course.legs[0]
         self._due = 0.0
+        self._newest: Played | None = None
         # The player draws: a thread that did it would hold the interpreter while a message is due.
         self._progress = Progress(
             TextColumn("{task.fields[state]} {task.fields[at]}"),
@@ -49,18 +50,19 @@ class Screen:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        if self._newest is not None:  # what came since the last drawing
+            self._draw(self._newest)
         self._progress.stop()
 
     def show(self, played: "Played") -> None:
         """Hear how far the player is."""
-        if time.monotonic() < self._due:
-            return
-        self._due = time.monotonic() + _EVERY_S
-        leg = self._course.leg(played.position_s * 1e9)
-        if leg is not self._leg:
-            forward = leg.position_ns > self._leg.position_ns
-            self.say(f"{leg.session.path}" + (f", {_gap(leg.gap_s)}" if forward else ""))
-            self._leg = leg
+        self._newest = played
+        if time.monotonic() >= self._due:
+            self._due = time.monotonic() + _EVERY_S
+            self._draw(played)
+
+    def _draw(self, played: "Played") -> None:
+        self._name_sessions(self._course.leg(played.position_s * 1e9))
         self._progress.update(
             self._task,
             completed=played.position_s,
@@ -69,6 +71,17 @@ class Screen:
             rest=self._rest.format(count=played.messages),
         )
         self._progress.refresh()
+
+    def _name_sessions(self, leg: "Leg") -> None:
+        """Say which sessions were begun on the way to this one; of one gone back to, its name."""
+        passed = [
+            each for each in self._course.legs if self._leg.position_ns < each.position_ns <= leg.position_ns
+        ]
+        for each in passed:
+            self.say(f"{each.session.path}, {_gap(each.gap_s)}")
+        if leg.position_ns < self._leg.position_ns:
+            self.say(f"{leg.session.path}")
+        self._leg = leg
 
     def say(self, text: str) -> None:
         """Say something above the line."""
