@@ -3,6 +3,8 @@
 import json
 import os
 import subprocess
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +12,21 @@ import pytest
 import rerun as rr
 from typer.testing import CliRunner
 
-from vsensor.bench import day, kernel, live, loads, offline, reading, seen, stage, tick, view, wakes
+from vsensor.bench import (
+    day,
+    kernel,
+    live,
+    loads,
+    offline,
+    reading,
+    seen,
+    served,
+    stage,
+    tick,
+    turns,
+    view,
+    wakes,
+)
 from vsensor.bench.compiler import FLAGS, NO_COMPILER, compiler
 from vsensor.bench.processes import child_of, processor_s
 from vsensor.bench.record import drilled, endless
@@ -25,7 +41,8 @@ from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.kernel import CONFIRMED
 from vsensor.grid import NS
 from vsensor.intake import Intake
-from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Sample, Tick
+from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Sample, Status, Tick
+from vsensor.service.histogram import quantile_s
 from vsensor.view.batches import Measured
 from vsensor.view.sink import send
 
@@ -256,8 +273,9 @@ def test_under_a_load_lateness_and_latency_stand_beside_their_yardsticks(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(loads, "LOADS", (loads.LOADS[1],))
-    monkeypatch.setattr(loads, "WARM_S", 1.0)
-    lateness, latency, cost = map(rows, loads.tables([50.0], 1.0, lambda _words: None))
+    monkeypatch.setattr(turns, "WARM_S", 1.0)
+    monkeypatch.setattr(turns, "TURN_S", 0.5)
+    lateness, latency, cost = map(rows, loads.tables([50.0], 1.5, lambda _words: None))
     for table in (lateness, latency, cost):
         assert [row["loop and load"] for row in table] == ["50 Hz, recording"]
     (row,) = latency
@@ -272,6 +290,36 @@ def test_under_a_load_lateness_and_latency_stand_beside_their_yardsticks(
     assert isinstance(memory, float)
     assert 0 < median <= worst
     assert memory > 10
+    assert isinstance(cost[0]["slope, kB/min"], float)
+
+
+def test_daemon_and_bare_loop_run_in_turn_and_their_books_are_added_up(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    order: list[str] = []
+
+    def turn(*_given: object) -> turns.Turn:
+        order.append("daemon")
+        before, after = Status(slots_due=100), Status(slots_due=150, slots_skipped=2)
+        before.lateness.counts.extend([7, 0])
+        after.lateness.counts.extend([7, 48])
+        return turns.Turn(before, after, {"echo": [1.0, 2.0]}, 0.25, (60.0 * len(order), 10**8))
+
+    @contextmanager
+    def bare_loop(*_given: object) -> Iterator[Callable[[], wakes.Wakes]]:
+        order.append("C")
+        yield lambda: wakes.Wakes(np.full(49, 5000), 50, 1)
+
+    monkeypatch.setattr(turns, "_turn", turn)
+    monkeypatch.setattr(turns, "bare_loop", bare_loop)
+    sensor = turns.Sensor(live.rig_at(50.0), 0, 0.0, None, dict)  # type: ignore[arg-type]
+    found = turns._measure(sensor, turns.LOADS[0], Path("wake"), 3 * turns.TURN_S)
+    assert order == ["daemon", "C"] * 3
+    assert (found.due, found.skipped, len(found.memory)) == (150, 6, 3)
+    assert found.latency == {"echo": [1.0, 2.0] * 3}
+    assert found.bare is not None
+    assert (found.bare.due, found.bare.skipped, len(found.bare.lateness_ns)) == (150, 3, 147)
+    assert quantile_s([0, 1], 0.5) == found.lateness_s[0]
 
 
 @pytest.mark.process
@@ -296,7 +344,7 @@ def test_when_an_estimate_was_at_a_viewer_is_told_by_the_first_that_holds_it_or_
     tmp_path: Path,
 ) -> None:
     file = tmp_path / "seen.rrd"
-    looks = seen.Onlooker(file)
+    looks = served.Onlooker(file)
     recording = rr.RecordingStream("t")
     recording.set_sinks(rr.FileSink(file, write_footer=False))
     noted: list[tuple[int, int]] = []

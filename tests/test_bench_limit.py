@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from vsensor.bench import limit
-from vsensor.bench.loads import LOADS, Measured
+from vsensor.bench.turns import LOADS, Measured
 from vsensor.bench.wakes import Wakes
 from vsensor.config import Rig
 
 
 def run_at(rate: float, skipped: int, missed: int) -> Measured:
     beside = Wakes(np.zeros(1, np.int64), 10_000, missed)
-    return Measured(rate, LOADS[0], (0.0, 0.0), 10_000, skipped, beside, {}, 0.5, (0, 0), 1.0, True)
+    return Measured(rate, LOADS[0], (0.0, 0.0), 10_000, skipped, beside, {}, 0.5, [(60.0, 0)], True)
 
 
 @pytest.mark.parametrize(

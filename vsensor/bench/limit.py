@@ -6,8 +6,8 @@ from pathlib import Path
 
 from vsensor.bench.compiler import NO_COMPILER, compiler
 from vsensor.bench.live import rig_at
-from vsensor.bench.loads import LOADS, Measured, under_loads
 from vsensor.bench.table import Cell, Table
+from vsensor.bench.turns import LOADS, Measured, under_loads
 from vsensor.bench.wakes import build_bare_loop
 
 RATES_HZ = (500.0, 700.0, 1000.0, 1400.0, 2000.0, 2800.0, 4000.0)
@@ -36,8 +36,8 @@ def tables(
         ("loop", "slots", "skipped", "skipped, ‰", "C missed, ‰", "of one core, %", "keeps up"),
         tuple(_row(one) for one in tried),
         (
-            f"for {seconds:g} s each, alone but for the rig; C: a bare loop on the same grid in the same "
-            f"seconds; keeps up: skips no more than that one misses, and {ALLOWED:.1%}"
+            f"for {seconds:g} s each, alone but for the rig; C: a bare loop at the same rate, in turn; "
+            f"keeps up: skips no more than that one misses, and {ALLOWED:.1%}"
             if cc
             else NO_COMPILER,
             tried[0].condition,
@@ -47,12 +47,12 @@ def tables(
 
 def keeps_up(one: Measured) -> bool:
     """Whether no more slots were skipped than a bare loop missed, and a few."""
-    missed = one.beside.skipped / one.beside.due if one.beside else 0.0
+    missed = one.bare.skipped / one.bare.due if one.bare else 0.0
     return one.skipped / one.due <= missed + ALLOWED
 
 
 def _row(one: Measured) -> tuple[Cell, ...]:
-    missed = 1000 * one.beside.skipped / one.beside.due if one.beside else None
+    missed = 1000 * one.bare.skipped / one.bare.due if one.bare else None
     return (
         f"{one.rate_hz:g} Hz",
         one.due,

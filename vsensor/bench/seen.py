@@ -1,23 +1,17 @@
 """When a viewer has what was published: Rerun's own client hears what is drawn, and writes it to a file."""
 
-import os
 import struct
-import subprocess
-import time
 import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from pathlib import Path
-from typing import NamedTuple
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 from rerun.chunk import RrdReader
 
+from vsensor.bench.served import Onlooker
 from vsensor.errors import VsensorError
 from vsensor.view import series
 from vsensor.view.blueprint import TIMELINE
-from vsensor.view.viewer import ENVIRONMENT, program
 
 Integers = NDArray[np.int64]
 
@@ -30,46 +24,6 @@ _MESSAGE_HEAD = struct.Struct("<QQ")
 _DATA = 2
 _OF_A_RECORDING = b"\x08\x01"
 """Where a message of data names what it belongs to: a recording, and not a layout."""
-
-
-class Growth(NamedTuple):
-    """When the file was seen to have grown, and to how many bytes; monotonic clock."""
-
-    at_ns: int
-    size: int
-
-
-class Onlooker:
-    """A client of the view's server: to be looked at again and again."""
-
-    def __init__(self, file: Path) -> None:
-        self.file = file
-        self.growths: list[Growth] = []
-
-    def look(self) -> None:
-        """Note what has come since the last time."""
-        try:
-            size = self.file.stat().st_size
-        except FileNotFoundError:
-            return
-        if not self.growths or size > self.growths[-1].size:
-            self.growths.append(Growth(time.monotonic_ns(), size))
-
-
-@contextmanager
-def onlooker(source: str, file: Path) -> Iterator[Onlooker]:
-    """A client of the server at `source` that writes to `file`; it ends with the `with`."""
-    with subprocess.Popen(
-        [program(), source, "--save", str(file)],
-        env=os.environ | ENVIRONMENT,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
-        start_new_session=True,
-    ) as client:
-        try:
-            yield Onlooker(file)
-        finally:
-            client.kill()
 
 
 def delays_ns(published: Sequence[tuple[int, int]], seen: Onlooker) -> Integers:

@@ -3,11 +3,10 @@
 The daemon runs without and with the view in turn, several times, so that the machine's own doing shows.
 """
 
-import socket
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,22 +14,21 @@ import numpy as np
 
 from vsensor import demo
 from vsensor.bench.live import rig_at
-from vsensor.bench.processes import child_of, processor_s, resident_bytes
-from vsensor.bench.seen import Integers, Onlooker, delays_ns, onlooker
+from vsensor.bench.processes import processor_s, resident_bytes
+from vsensor.bench.seen import Integers, delays_ns
+from vsensor.bench.served import PATIENCE_S, View, served
 from vsensor.bench.table import Cell, Table
 from vsensor.bench.wakes import Wakes, of_ticks
 from vsensor.bus import Feed, ask_status, open_session
 from vsensor.config import Rig, effective_toml
 from vsensor.errors import VsensorError
 from vsensor.messages import BIT_ESTIMATE, SENSOR_TICK, Estimate, Tick
-from vsensor.view.place import Place
 
 PAIRS = 5
 WARM_S = 4.0
 """Before each part: what begins or ends has its own cost."""
 ASKED = 1.05
 """What the view may do to the loop's lateness."""
-PATIENCE_S = 60.0
 _LOOK_S = 0.001
 
 
@@ -52,13 +50,6 @@ class Pairs(NamedTuple):
     scheduling: str
     without: list[Part]
     seen: list[Part]
-
-
-class View(NamedTuple):
-    """A view at work, and one who looks on."""
-
-    pids: tuple[int, int]
-    looks: Onlooker
 
 
 def tables(rates_hz: Sequence[float], seconds: float, say: Callable[[str], None]) -> Iterator[Table]:
@@ -96,8 +87,8 @@ def _pairs(rig: Rig, folder: Path, seconds: float, say: Callable[[str], None]) -
         for number in range(PAIRS):
             for with_view in (False, True) if number % 2 == 0 else (True, False):
                 say(f"{rate:g} Hz {'with' if with_view else 'without'} the view, {number + 1} of {PAIRS}")
-                with ExitStack() as view:
-                    at_work = _view(config, folder / f"{number}.rrd", view) if with_view else None
+                view = served(config, folder / f"{number}.rrd") if with_view else nullcontext()
+                with view as at_work:
                     _listen(feed, at_work, WARM_S)
                     part = _part(feed, at_work, seconds)
                 (found.seen if with_view else found.without).append(part)
@@ -111,20 +102,6 @@ def _await_ticks(feed: Feed) -> None:
         if time.monotonic() > end:
             raise VsensorError(f"the simulated rig sends nothing: no tick for {PATIENCE_S:g} s")
         time.sleep(_LOOK_S)
-
-
-def _view(config: Path, file: Path, running: ExitStack) -> View:
-    """The view as a page, as with no screen on the sensor's machine, with one who looks on."""
-    place = Place("page", _free_port(), _free_port())
-    ports = ("--data-port", str(place.data_port), "--port", str(place.page_port))
-    view = running.enter_context(demo.process("view", str(config), "--web", *ports))
-    end = time.monotonic() + PATIENCE_S
-    for port in (place.data_port, place.page_port):
-        while not _answers(port):
-            if view.poll() is not None or time.monotonic() > end:
-                raise VsensorError(f"vsensor view does not serve; it ended with status {view.poll()}")
-            time.sleep(0.05)
-    return View((view.pid, child_of(view.pid)), running.enter_context(onlooker(place.source, file)))
 
 
 def _part(feed: Feed, view: View | None, seconds: float) -> Part:
@@ -214,14 +191,3 @@ def _lateness_rows(one: Pairs) -> Iterator[tuple[Cell, ...]]:
 def _all(parts: Sequence[Part], share: float) -> float:
     every = np.concatenate([part.wakes.lateness_ns for part in parts])
     return float(np.percentile(every, share)) / 1e3
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
-def _answers(port: int) -> bool:
-    with socket.socket() as probe:
-        return probe.connect_ex(("127.0.0.1", port)) == 0

@@ -1,7 +1,7 @@
 """How late loops wake: the daemon's by its recorded ticks, a bare C loop's by its own word."""
 
 import subprocess
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
@@ -36,6 +36,12 @@ def of_ticks(ticks: Iterable[Tick], due: int, skipped: int) -> Wakes:
     """The wake-ups that ran these ticks; several ticks of one slot are one."""
     slots = {tick.slot: tick.lateness_ns for tick in ticks}
     return Wakes(np.fromiter(slots.values(), np.int64, len(slots)), due, skipped)
+
+
+def all_of(turns: Sequence[Wakes]) -> Wakes:
+    """Several turns of one loop, together."""
+    lateness, due, skipped = zip(*turns, strict=True)
+    return Wakes(np.concatenate(lateness), sum(due), sum(skipped))
 
 
 @contextmanager
