@@ -122,6 +122,15 @@ def test_systemd_takes_the_unit_as_it_is_and_finds_it_well_shut(unit: Path) -> N
     assert float(level[1]) < 2
 
 
+@pytest.mark.skipif(shutil.which("systemctl") is None, reason="there is no systemd here")
+def test_enabled_without_a_name_it_is_for_the_one_rig(tmp_path: Path) -> None:
+    folder = tmp_path / "etc/systemd/system"
+    folder.mkdir(parents=True)
+    shutil.copy(UNITS / "vsensor@.service", folder)
+    subprocess.run(["systemctl", f"--root={tmp_path}", "enable", "vsensor@"], capture_output=True, check=True)
+    assert [link.name for link in folder.glob("multi-user.target.wants/*")] == ["vsensor@rig.service"]
+
+
 @pytest.fixture
 def settings() -> dict[str, str]:
     """What the template says, by the key; the last of a key that is there twice."""
