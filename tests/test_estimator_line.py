@@ -11,7 +11,7 @@ from tests import naive
 from tests.peel import peeled
 from tests.strings import COLLAR, PIPE, strings
 from vsensor.config import Bit, Component, TopDrive
-from vsensor.estimator.forward import ForwardLine
+from vsensor.estimator.forward import Controller, ForwardLine
 from vsensor.estimator.line import FADE_SPEED
 from vsensor.estimator.load import Foot, load_of, turn_bit
 from vsensor.estimator.sections import cut
@@ -42,6 +42,27 @@ def test_the_march_is_its_naive_twin(string: tuple[Component, ...], seed: int) -
     twin = naive.Forward(line, load_of(bit, STEP), 2 * 900 / STEP)
     expected = np.array([twin.step(t) for t in torques]).T
     np.testing.assert_allclose(forward.run(torques, np.zeros(120)), expected, rtol=1e-6, atol=1e-6)
+
+
+def test_a_speed_controller_is_its_naive_twin_and_keeps_its_limit() -> None:
+    line = cut((PIPE, COLLAR), STEP, 300)
+    drive = TopDrive(inertia=900, gear_ratio=2.0, efficiency=0.9)
+    bit = Bit(inertia=60, viscous_friction=40)
+    by = Controller(2e3, 20.0, 4e3)
+    targets = np.where(np.arange(400) < 200, 4.0, -1.0)
+    told = ForwardLine(line, drive, bit, STEP).control(by, targets, np.zeros(400))
+    twin, integral, speed = ForwardLine(line, drive, bit, STEP), 0.0, 0.0
+    for k, target in enumerate(targets):
+        wanted = by.gain * (target - speed) + integral
+        given = min(max(wanted, -by.limit), by.limit)
+        if given == wanted:
+            integral += by.integral_rate * (target - speed)
+        expected = (given / 1.8, *(each[0] for each in twin.run([given / 1.8], [0.0])))
+        assert [each[k] for each in told] == pytest.approx(expected, rel=1e-9, abs=1e-9)
+        speed = expected[1] / 2.0
+    held = np.abs(told[0]) * 1.8
+    assert held.max() == pytest.approx(by.limit)
+    assert 0.05 < np.mean(np.isclose(held, by.limit)) < 0.95
 
 
 @settings(max_examples=20)

@@ -3,6 +3,7 @@
 import csv
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -18,7 +19,7 @@ from vsensor.cli import main
 from vsensor.config import Bus, effective_toml
 from vsensor.errors import InputError
 from vsensor.estimator.component import delay
-from vsensor.estimator.forward import ForwardLine
+from vsensor.estimator.forward import Controller, ForwardLine
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.severity import severity
 from vsensor.grid import NS
@@ -113,20 +114,28 @@ def test_sensors_are_as_noisy_as_configured() -> None:
     assert (column(noisy, "bit_speed") == column(clean, "bit_speed")).all()
 
 
+def torques(rate: float, **drive: float) -> Floats:
+    """Motor torque as read, without noise, for 20 s of stick-slip on even rock."""
+    smooth = replace(PLANS[Scenario.STICK_SLIP], rock_noise=0.0)
+    at = rig(*STRING, bit=BIT, top_drive=DRIVE | drive, rate=rate, measurement={"torque_noise": 0})
+    simulated = SimulatedRig(at, smooth, 1)
+    return np.array([simulated.sample().motor_torque for _ in range(round(20 * rate))])
+
+
 def test_the_torque_reading_lags_the_motors_own() -> None:
     """A first-order lag, as that of a converter's filter."""
-
-    def torque(lag: float) -> Floats:
-        drive = {"inertia": 2000.0, "torque_lag": lag}
-        slow = rig(*STRING, bit=BIT, top_drive=drive, rate=50.0, measurement={"torque_noise": 0})
-        simulated = SimulatedRig(slow, PLANS[Scenario.STICK_SLIP], 1)
-        return np.array([simulated.sample().motor_torque for _ in range(1000)])
-
-    prompt, late = torque(0.0), torque(0.1)
+    prompt, late = torques(1000, torque_lag=0.0), torques(1000, torque_lag=0.1)
     read = [0.0]
     for value in prompt:
-        read.append(read[-1] + (value - read[-1]) * (1 - math.exp(-0.02 / 0.1)))
+        read.append(read[-1] + (value - read[-1]) * (1 - math.exp(-1e-3 / 0.1)))
     assert late == pytest.approx(np.array(read[1:]))
+
+
+@pytest.mark.parametrize("drive", [{}, {"inertia": 200.0}, {"torque_lag": 0.1}])
+def test_a_motor_is_controlled_between_the_samples_too(drive: dict[str, float]) -> None:
+    """What it does is no matter of how often we look. Held for a sample it would be half a sample late."""
+    often, seldom = torques(1000, **drive)[19::20], torques(50, **drive)
+    assert np.abs(often - seldom).max() < 0.01 * np.ptp(often)
 
 
 def test_the_motor_speed_is_geared() -> None:
@@ -268,9 +277,11 @@ def test_kernels_are_loaded_before_the_first_sample_is_due(
     happened: list[str] = []
 
     class Kernel(ForwardLine):
-        def run(self, motor_torque: ArrayLike, bit_torque: ArrayLike) -> tuple[Floats, Floats, Floats]:
+        def control(
+            self, by: Controller, set_speed: ArrayLike, bit_torque: ArrayLike
+        ) -> tuple[Floats, Floats, Floats, Floats]:
             happened.append("kernel")
-            return super().run(motor_torque, bit_torque)
+            return super().control(by, set_speed, bit_torque)
 
     class Slots(Pace):
         def slots(self) -> Iterator[Slot]:

@@ -1,6 +1,7 @@
 """The string driven from the top alone: motor torque in, the whole string under a load law out.
 
-This is the paper's own case (Fig. 7: torque measured, speed not) and the simulated rig.
+This is the paper's own case (Fig. 7: torque measured, speed not) and, under a speed controller, the simulated
+rig.
 """
 
 from typing import NamedTuple
@@ -26,8 +27,22 @@ class Drive(NamedTuple):
     """2 J / Δt, N·m·s/rad."""
 
 
+class Controller(NamedTuple):
+    """A speed controller as the string feels it: proportional and integral, held at the limit."""
+
+    gain: float
+    """N·m·s/rad."""
+    integral_rate: float
+    """What a step adds to the integral for each rad/s of miss, N·m·s/rad."""
+    limit: float
+    """N·m."""
+
+
+NONE = Controller(0.0, 0.0, np.inf)
+
+
 class ForwardLine:
-    """A string at rest, then driven by motor torque."""
+    """A string at rest, then driven by motor torque or by a speed controller."""
 
     def __init__(self, line: Line, drive: TopDrive, bit: Bit, step_s: float) -> None:
         self._line = line
@@ -40,6 +55,7 @@ class ForwardLine:
         self._told = np.zeros((2, 1))
         self._step = 0
         self._balances = np.zeros(2)
+        self._integral = np.zeros(1)
         self.bit_delay = float(line.round_trip.sum()) / 2 * step_s
         """How long before the top's time the bit is seen, s: one travel time of the string."""
 
@@ -54,23 +70,42 @@ class ForwardLine:
         Returns motor speed at each step, and bit speed and torque `bit_delay` earlier, all (n,).
         """
         torques = np.ascontiguousarray(motor_torque, dtype=np.float64)
+        _, *told = self._run(NONE, torques, np.zeros(len(torques)), bit_torque)
+        return told[0], told[1], told[2]
+
+    def control(
+        self, by: Controller, set_speed: ArrayLike, bit_torque: ArrayLike
+    ) -> tuple[Floats, Floats, Floats, Floats]:
+        """Run n steps of a motor that is to keep this speed of the string's top, rad/s, shape (n,).
+
+        It looks at the speed of the step before. Returns motor torque, and the three of `run`.
+        """
+        targets = np.ascontiguousarray(set_speed, dtype=np.float64)
+        return self._run(by, np.zeros(len(targets)), targets, bit_torque)
+
+    def _run(
+        self, by: Controller, torques: Floats, targets: Floats, bit_torque: ArrayLike
+    ) -> tuple[Floats, Floats, Floats, Floats]:
         external = np.ascontiguousarray(bit_torque, dtype=np.float64)
-        out = np.empty((3, len(torques)))
+        out = np.empty((4, len(torques)))
         _drive(
             self._line,
             self._load,
             self._drive,
+            by,
             self._waves,
             self._step,
             torques,
+            targets,
             external,
             self._speeds,
             self._balances,
+            self._integral,
             self._told,
             out,
         )
         self._step += len(torques)
-        return out[0] * self._gear, out[1], out[2]
+        return out[0] / self._drive.torque_ratio, out[1] * self._gear, out[2], out[3]
 
 
 @compiled
@@ -78,12 +113,15 @@ def _drive(
     line: Line,
     load: Load,
     drive: Drive,
+    by: Controller,
     waves: Floats,
     done: int,
     torques: Floats,
+    targets: Floats,
     external: Floats,
     speeds: Floats,
     balances: Floats,
+    integral: Floats,
     told: Floats,
     out: Floats,
 ) -> None:
@@ -92,10 +130,15 @@ def _drive(
     for k in range(torques.shape[0]):
         step = done + k
         g, balances[BIT] = march(line, load, waves, step, external[k], speeds, balances[BIT], told, 0)
-        pull = drive.torque_ratio * torques[k] - g
-        w, balances[TOP] = turn_top(line, drive.inertia_rate, pull, speeds[0], balances[TOP])
+        miss = targets[k] - speeds[0]
+        wanted = drive.torque_ratio * torques[k] + by.gain * miss + integral[0]
+        given = max(-by.limit, min(by.limit, wanted))
+        if given == wanted:
+            integral[0] += by.integral_rate * miss
+        w, balances[TOP] = turn_top(line, drive.inertia_rate, given - g, speeds[0], balances[TOP])
         speeds[0] = w
         waves[0, step & mask] = g + 2 * z * w
-        out[0, k] = w
-        out[1, k] = told[0, 0]
-        out[2, k] = told[1, 0]
+        out[0, k] = given
+        out[1, k] = w
+        out[2, k] = told[0, 0]
+        out[3, k] = told[1, 0]

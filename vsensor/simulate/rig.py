@@ -6,12 +6,13 @@ from typing import NamedTuple
 import numpy as np
 
 from vsensor.config import Rig
-from vsensor.estimator.forward import ForwardLine
+from vsensor.estimator.forward import Controller, ForwardLine
 from vsensor.estimator.sections import Floats, cut, steps_per_tick
 from vsensor.simulate.scenario import Plan
 
 FINE_STEP_S = 1e-3
-"""The simulation steps at least so finely, finer than the estimator, so as to be a test of it."""
+"""The simulation steps at least so finely, finer than the estimator, so as to be a test of it; the speed
+controller with it, as a converter's does: what a motor holds for a whole sample is half a sample late."""
 SECTION_LENGTH = 100.0
 ROCK_MEMORY_S = 0.4
 """Correlation time of the rock's torque."""
@@ -44,14 +45,16 @@ class SimulatedRig:
         coarse = steps_per_tick(rig.string, self._period)
         self._steps = max(coarse, math.ceil(self._period / FINE_STEP_S))
         step = self._period / self._steps
+        self._ago = step * np.arange(self._steps)[::-1]
         line = cut(rig.string, step, SECTION_LENGTH, rig.survey, rig.wellbore)
         self._string = ForwardLine(line, rig.top_drive, rig.bit, step)
-        self._gain = plan.damping * float(line.impedance[0])
-        self._limit = TORQUE_RESERVE * float(rig.bit.static_torque + line.static.sum() + self._gain)
+        gain = plan.damping * float(line.impedance[0])
+        limit = TORQUE_RESERVE * float(rig.bit.static_torque + line.static.sum() + gain)
+        self._controller = Controller(gain, gain * step / RESET_TIME_S, limit)
+        lag = rig.top_drive.torque_lag
+        self._kept = math.exp(-step / lag) if lag else 0.0
         self._fall = math.exp(-step / ROCK_MEMORY_S)
         self._rock = 0.0
-        self._integral = 0.0
-        self._speed = 0.0
         self._bit_speed = 0.0
         self._reported = 0.0
         self._done = 0
@@ -62,36 +65,26 @@ class SimulatedRig:
         time_s = self._done * self._period
         bit = self._plan.bit_at(self._rig.bit, time_s)
         self._string.set_load(bit)
-        torque = self._control(time_s)
-        speeds, bit_speeds, bit_torques = self._string.run(
-            np.full(self._steps, torque), self._rock_torque(bit.kinetic_torque if self._bit_speed else 0.0)
+        torques, speeds, bit_speeds, bit_torques = self._string.control(
+            self._controller,
+            self._plan.speed_at(time_s - self._ago),
+            self._rock_torque(bit.kinetic_torque if self._bit_speed else 0.0),
         )
-        self._speed = float(speeds[-1])
         self._bit_speed = float(bit_speeds[-1])
         noise = self._rig.measurement
         return Reading(
             time_s,
-            self._report(torque) + noise.torque_noise * self._random.standard_normal(),
-            self._speed + noise.speed_noise * self._random.standard_normal(),
+            self._report(torques) + noise.torque_noise * self._random.standard_normal(),
+            float(speeds[-1]) + noise.speed_noise * self._random.standard_normal(),
             time_s - self._string.bit_delay,
             self._bit_speed,
             float(bit_torques[-1]),
         )
 
-    def _control(self, time_s: float) -> float:
-        """Motor torque of the speed controller (PI, its integral held at the limit)."""
-        drive = self._rig.top_drive
-        miss = self._plan.speed_at(time_s) - self._speed / drive.gear_ratio
-        wanted = self._gain * miss + self._integral
-        given = max(-self._limit, min(self._limit, wanted))
-        if given == wanted:
-            self._integral += self._gain * miss * self._period / RESET_TIME_S
-        return given / (drive.gear_ratio * drive.efficiency)
-
-    def _report(self, torque: float) -> float:
+    def _report(self, torques: Floats) -> float:
         """The converter's own reading of torque, late by its lag."""
-        lag = self._rig.top_drive.torque_lag
-        self._reported += (torque - self._reported) * (-math.expm1(-self._period / lag) if lag else 1.0)
+        for torque in torques.tolist():
+            self._reported = torque + (self._reported - torque) * self._kept
         return self._reported
 
     def _rock_torque(self, kinetic: float) -> Floats:

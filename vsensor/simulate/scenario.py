@@ -6,6 +6,7 @@ from enum import StrEnum
 import numpy as np
 
 from vsensor.config import Bit
+from vsensor.estimator.sections import Floats
 
 
 class Scenario(StrEnum):
@@ -31,13 +32,15 @@ class Plan:
     rock_noise: float
     """Standard deviation of the rock's torque as a share of the kinetic torque."""
 
-    def speed_at(self, time_s: float) -> float:
-        """Commanded string speed, rad/s."""
-        return _at(self.speed, time_s)
+    def speed_at(self, time_s: Floats) -> Floats:
+        """Commanded string speed, rad/s, at times of shape (n,), s."""
+        times, speeds = zip(*self.speed, strict=True)
+        return np.interp(time_s, times, speeds)
 
     def bit_at(self, bit: Bit, time_s: float) -> Bit:
         """The load law at a time."""
-        share = _at(self.load, time_s)
+        times, shares = zip(*self.load, strict=True)
+        share = float(np.interp(time_s, times, shares))
         return bit.model_copy(
             update={
                 "viscous_friction": share * bit.viscous_friction,
@@ -45,11 +48,6 @@ class Plan:
                 "static_torque": share * bit.static_torque,
             }
         )
-
-
-def _at(points: tuple[tuple[float, float], ...], time_s: float) -> float:
-    times, values = zip(*points, strict=True)
-    return float(np.interp(time_s, times, values))
 
 
 ON_BOTTOM = ((0.0, 1.0),)
