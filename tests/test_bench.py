@@ -272,7 +272,7 @@ def test_live_every_sample_is_consumed_recorded_and_made_a_tick_of(tmp_path: Pat
 def test_under_a_load_lateness_and_latency_stand_beside_their_yardsticks(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(loads, "LOADS", (loads.LOADS[1],))
+    monkeypatch.setattr(loads, "LOADS", (turns.LOADS[1],))
     monkeypatch.setattr(turns, "WARM_S", 1.0)
     monkeypatch.setattr(turns, "TURN_S", 0.5)
     lateness, latency, cost = map(rows, loads.tables([50.0], 1.5, lambda _words: None))

@@ -143,7 +143,7 @@ def test_nothing_is_told_before_all_waves_of_an_answer_were_seen(
 
 
 @pytest.mark.parametrize(
-    ("kind", "speed_limit", "torque_limit"), [(CONFIRMED, 0.25, 600), (NOW, 0.9, 600), (FORECAST, 1.1, 850)]
+    ("kind", "speed_limit", "torque_limit"), [(CONFIRMED, 0.25, 600), (NOW, 0.9, 700), (FORECAST, 1.1, 850)]
 )
 def test_the_bit_is_found(
     estimator: Estimator, answers: Estimates, kind: int, speed_limit: float, torque_limit: float

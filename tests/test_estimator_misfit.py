@@ -170,5 +170,4 @@ def test_until_it_is_found_out_the_deviations_hold_what_it_costs(worn: float) ->
     estimator, _, honest = runs(wrong, readings)
     _, _, deceived = runs(blind(wrong), readings)
     assert (estimator.tuning == 0).all()
-    assert deceived < 0.85
-    assert honest > 0.9
+    assert deceived < 0.9 < honest

@@ -83,7 +83,7 @@ def test_a_speed_in_whole_revolutions_does_not_pass_for_a_restless_rock(record: 
     torque, speed, times, truth = record
     sensor = Estimator(SHORT)
     told = sensor.run(torque, read_in(RPM, speed)).values
-    at = np.arange(len(told)) / RATE - sensor.confirmed_delay
+    at = np.arange(1, len(told) + 1) / RATE - sensor.confirmed_delay
     begun = round(20 * RATE)
     true = np.interp(at[begun:], times, truth)
     error = told[begun:, CONFIRMED] - true
@@ -105,7 +105,7 @@ def test_how_much_noisier_the_channels_are_than_told_is_found(record: Floats, ti
     for sensor in (told_less, told):
         values = sensor.run(torque, speed).values
         begun = round(30 * RATE)
-        at = np.arange(begun, len(values)) / RATE - sensor.confirmed_delay
+        at = np.arange(begun + 1, len(values) + 1) / RATE - sensor.confirmed_delay
         errors.append(np.sqrt(np.mean((values[begun:, CONFIRMED] - np.interp(at, when, truth)) ** 2)))
     assert told_less.noisier == pytest.approx(times, rel=0.1)
     assert told.noisier == 1.0

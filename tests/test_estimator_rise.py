@@ -13,6 +13,7 @@ from vsensor.estimator.ring import mask_of
 from vsensor.estimator.rise import rise
 from vsensor.estimator.state import BIT as BIT_END
 from vsensor.estimator.state import Model, State, fresh
+from vsensor.estimator.tune import LATER, SOONER
 
 STRING = rig(PIPE, COLLAR, bit=BIT, top_drive=DRIVE)
 STEPS = 200
@@ -42,6 +43,10 @@ def test_each_string_marches_as_if_it_were_alone(
     model = estimator._model
     together, alone = in_motion(model, seed, resting), in_motion(model, seed, resting)
     load = load_in_force(together.learned, model.bit_rate)
+    rock = float(np.sqrt(together.rock_square[0]))
+    loads = [load] * len(alone.waves)
+    loads[LATER] = load._replace(static=load.static + rock, inertia_rate=load.inertia_rate + model.ringing)
+    loads[SOONER] = load._replace(static=load.static - rock, inertia_rate=load.inertia_rate - model.ringing)
     mask = mask_of(together.waves.shape[2])
     for step in range(first, first + STEPS):
         rise(model, load, together, step)
@@ -50,7 +55,7 @@ def test_each_string_marches_as_if_it_were_alone(
             balances, now = alone.balances[which], step & mask
             g, balances[BIT_END] = march(
                 line,
-                load,
+                loads[which],
                 waves,
                 step,
                 alone.rock[which],
@@ -64,3 +69,13 @@ def test_each_string_marches_as_if_it_were_alone(
     for name in ("waves", "junctions", "balances", "told"):
         np.testing.assert_array_equal(getattr(together, name), getattr(alone, name))
     assert (together.junctions[1:] != together.junctions[0]).any()
+
+
+def test_a_bit_may_break_loose_sooner_but_holds_no_less_than_while_it_slides(estimator: Estimator) -> None:
+    """However restless the rock, and however light the bit."""
+    model = estimator._model._replace(ringing=1e9)
+    state = in_motion(model, 1, 0.0)
+    state.rock_square[0] = 1e12
+    rise(model, load_in_force(state.learned, model.bit_rate), state, 0)
+    assert np.isfinite(state.junctions).all()
+    assert np.isfinite(state.told[SOONER]).all()

@@ -1,4 +1,4 @@
-"""Scores, and restlessness of the rock: each against what made its data."""
+"""Scores, each against what made its data."""
 
 import math
 
@@ -9,8 +9,6 @@ from hypothesis import strategies as st
 
 from tests.observer import LINEAR
 from vsensor.estimator.estimator import Estimator
-from vsensor.estimator.gains import ROCK_LEVELS
-from vsensor.estimator.rock import weigh_rock
 from vsensor.estimator.score import NOW, REST, SPEED, expect, foretell, fresh_scores, missed, score
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.tune import wall_torque
@@ -102,32 +100,6 @@ def test_no_variance_is_ever_negative_or_unknown(misses: list[tuple[float, float
 @pytest.fixture(scope="module")
 def linear() -> Estimator:
     return Estimator(LINEAR)
-
-
-@pytest.fixture
-def estimator(linear: Estimator) -> Estimator:
-    """As made anew: only its state changes while it is used."""
-    linear.reset()
-    return linear
-
-
-@pytest.mark.parametrize("level", range(len(ROCK_LEVELS)))
-def test_the_gains_follow_the_rocks_restlessness(estimator: Estimator, level: int) -> None:
-    """Told with the error that a smoother leaves: what it tells and what it lacks add up to the rock."""
-    model, state = estimator._model, estimator._state
-    random = np.random.default_rng(level)
-    rate = LINEAR.loop.rate
-    for _ in range(round(60 * rate)):
-        lacks = model.gains.variance[state.level[0], 1]
-        tells = np.sqrt(max(ROCK_LEVELS[level] ** 2 - lacks, 0.0)) * random.standard_normal()
-        weigh_rock(model, state, 10.0, 60.0 * 10.0 + float(tells))
-    assert abs(int(state.level[0]) - level) <= 1
-
-
-def test_a_bit_that_hardly_turns_says_nothing_of_the_rock(estimator: Estimator) -> None:
-    before = estimator._state.rock_square[0]
-    weigh_rock(estimator._model, estimator._state, 0.3, 9e4)
-    assert estimator._state.rock_square[0] == before
 
 
 def test_the_walls_torque_is_that_of_all_junctions_and_against_the_motion(linear: Estimator) -> None:

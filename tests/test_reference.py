@@ -64,11 +64,15 @@ def test_the_bit_is_that_of_the_reference(case: tuple[str, Columns, Columns]) ->
 
 @pytest.mark.parametrize("kind", ["confirmed", "now", "forecast"])
 def test_errors_of_speed_are_as_large_as_is_stated(case: tuple[str, Columns, Columns], kind: str) -> None:
-    """Within two stated deviations: 95 % of the errors were they normal and the statement exact."""
+    """Within two stated deviations: 95 % of the errors were they normal and the statement exact.
+
+    And no smaller than half of what is stated (rms): what lies beyond two deviations are too few to tell.
+    """
     _, told, truth = case
     error, deviation = errors(told, truth, kind, SPEED)
     assert len(error) > 1000
-    assert 0.90 <= np.mean(np.abs(error) <= 2 * deviation) <= 0.999
+    assert np.mean(np.abs(error) <= 2 * deviation) >= 0.90
+    assert rms(error / deviation) >= 0.5
 
 
 WARM_S = 8.0

@@ -160,6 +160,19 @@ def _slow() -> Well:
     return usual(5000.0)._replace(command=((0, 0), (5, 5), (45, 5), (50, 7)), law=((0.0, law),))
 
 
+def _hard() -> Well:
+    """Collars right below the pipe in a hole without friction, and rock that takes 8 kN·m to break loose.
+
+    The bit darts, and the collars ring with it for seconds.
+    """
+    return usual(1200)._replace(
+        string=(_of(1200.0, PIPE)._replace(fs=0.0), _of(BHA_M, COLLARS)._replace(fs=0.0)),
+        command=((0, 0), (5, 8)),
+        law=((0.0, ROCK._replace(static=8e3)),),
+        rock=(150.0, 0.4),
+    )
+
+
 def _set_down() -> Well:
     """Turning off bottom for half a minute, then set on bottom within three seconds."""
     return usual(2500.0)._replace(law=((0.0, OFF_BOTTOM), (30.0, OFF_BOTTOM), (33.0, ROCK)))
@@ -239,6 +252,7 @@ CASES: Mapping[str, Case] = {
     "lateral": Case("a lateral, off bottom, 3040 m", _lateral()),
     "smooth": Case("smooth drilling in rough rock, 1800 m", _smooth(1800)),
     "slow": Case("stick-slip of a large period, 5000 m", _slow()),
+    "hard": Case("hard rock, and collars that ring, 1200 m", _hard()),
     "set-down": Case("set on bottom while turning", _set_down()),
     "swing": Case("weight on bit swings by 15% at 0.3 Hz", _smooth(2500)._replace(swing=(0.15, 0.3))),
     "steps": Case("read in steps of 100 N·m and 0.1 rpm", usual(2500), _in_steps),

@@ -17,6 +17,7 @@ from vsensor.estimator.inputs import enter, follow_bit, lasting
 from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.observe import note_rest, observe, settle
 from vsensor.estimator.ring import mask_of
+from vsensor.estimator.rock import weigh_rock
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import Model, State
 from vsensor.jit import compiled
@@ -125,7 +126,8 @@ def _run(model: Model, state: State, torque: Floats, speed: Floats, part: int, t
         if doubts:
             lose_sight(state.learned)
         else:
-            study.study_rock(model, state)
+            weigh_rock(model, state)
+            study.study_law(model, state)
             if part == TUNED:
                 study.study_string(model, state)
         at = study.confirmed_step(model, state) & mask_of(state.told.shape[2])

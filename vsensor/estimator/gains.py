@@ -69,6 +69,11 @@ class Gains(NamedTuple):
     """Of the bit's speed and torque foretold for each of H horizons, shape (C, H, 2)."""
     along: Floats
     """Of speed and torque at the string's stations when confirmed, shape (C, 2, n)."""
+    traces: Floats
+    """How far innovations hang together, over their variance, by ticks apart, where the rock's is twice the
+    level's; shape (C, lag)."""
+    telling: Floats
+    """The sum of their squares, of both signs: what one innovation tells of that, shape (C,)."""
     band: Floats
     """Frequency up to which at least half of the rock's torque is told, Hz, shape (C,)."""
 
@@ -91,6 +96,8 @@ def gains(plant: Plant, at: Stations, lag: int, ahead: Sequence[float]) -> Gains
         variance=rounded(of.variance.T).T.copy(),
         unforeseen=rounded(of.unforeseen.T).T.copy(),
         along=rounded(of.along),
+        traces=rounded(of.traces),
+        telling=rounded(of.telling, by_itself=True),
         band=rounded(of.band, by_itself=True),
     )
 
@@ -151,6 +158,7 @@ def _at_level(
     for way, section in np.ndindex(*waves.shape[:2]):
         waves[way, section] = respond(of_rock.waves[way, section], of_noise.waves[way, section])
     down, back = (_newest_last(those, lag) for those in waves)
+    traces = np.fft.irfft(by_rock / seen, ticks)[:lag]
     told_along = squares_along(plant, at, np.roll(waves, ticks // 2, axis=-1), ticks // 2 + 1 - lag, ticks)
     along = kick * of_rock.along + noise * of_noise.along - innovation * told_along
     return Gains(
@@ -164,6 +172,8 @@ def _at_level(
         variance=confirmed,
         unforeseen=np.array(unforeseen)[:, :TOLD_TOP_SPEED],
         along=np.maximum(along, 0.0),
+        traces=traces,
+        telling=np.array(2 * np.sum(traces**2) - traces[0] ** 2),
         band=np.array(half_told(by_rock / seen, plant.rate)),
     )
 

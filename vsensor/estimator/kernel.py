@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 
 from vsensor.estimator.abreast import Room, ask, march_abreast, set_out
 from vsensor.estimator.ahead import predict, reach, stick_ahead
+from vsensor.estimator.doubt import doubt, doubt_by_noise
 from vsensor.estimator.inputs import enter, follow_bit, lasting
 from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.observe import note_rest, observe, settle
-from vsensor.estimator.responses import TOLD_BIT_TORQUE, TOLD_TOP_SPEED
 from vsensor.estimator.ring import mask_of
+from vsensor.estimator.rock import weigh_rock
 from vsensor.estimator.score import FORECAST as LAST
 from vsensor.estimator.score import HORIZONS, VALUE, expect, foretell, missed, score
 from vsensor.estimator.score import NOW as FIRST
@@ -23,13 +24,12 @@ from vsensor.estimator.state import NONE, Model, State
 from vsensor.estimator.study import (
     await_rock,
     confirmed_step,
-    doubt_by_noise,
     foretold_for,
-    study_rock,
+    study_law,
     study_string,
     study_wall,
 )
-from vsensor.estimator.tune import DELAY, FRICTION, OFFSET, SHADOWED, STRINGS, wall_torque
+from vsensor.estimator.tune import OFFSET, STRINGS
 from vsensor.jit import compiled, inlined
 from vsensor.quality import Reason
 
@@ -147,10 +147,11 @@ def _take(model: Model, state: State, torque: float, speed: float, reasons: int,
     elif state.off_bottom[0] > 0:
         study_wall(model, state)
     elif meets_rock(state.learned):
-        study_rock(model, state)
+        study_law(model, state)
     else:
         await_rock(model, state)
     if not doubts:
+        weigh_rock(model, state)
         study_string(model, state)
     _expect(model, state, _kinds(reasons))
     _lay_out(model, state, doubts, out)
@@ -166,29 +167,6 @@ def _lay(model: Model, state: State) -> None:
     state.surprise[:] = 1.0
     state.course[:] = NONE
     state.ticks[1] = state.ticks[0]
-
-
-@inlined
-def _doubt(model: Model, state: State, quantity: int, step: int) -> float:
-    """Variance of a confirmed answer: by noise and rock, and by what is uncertain of the parameters."""
-    mask = mask_of(state.told.shape[2])
-    by_noise = doubt_by_noise(model, state, quantity)
-    unsure = state.tuning.variance
-    by_parameters = 0.0
-    for p in range(SHADOWED):
-        later = model.shift if p == DELAY else 0  # with longer delays the bit of a moment is seen later
-        more = state.told[1 + 2 * p, quantity, (step + later) & mask]
-        less = state.told[2 + 2 * p, quantity, (step - later) & mask]
-        by_parameters += unsure[p] * ((more - less) / (2.0 * model.off[p])) ** 2
-    if quantity == TOLD_BIT_TORQUE:
-        # The wall's own speed is the top's at least on average: it rubs where the bit rests.
-        top = step - (model.now - model.behind * model.steps)
-        wall = wall_torque(model.line, state.told[0, TOLD_TOP_SPEED, top & mask])
-        by_parameters += (unsure[FRICTION] * wall + 2.0 * state.tuning.shared[0]) * wall + unsure[OFFSET]
-        # Parts of the wall that rest hold anything up to their static friction: all of it is equally likely.
-        held = state.held[(state.ticks[0] - model.lag) % state.held.shape[0]]
-        by_parameters += held * held / 3.0
-    return float(by_noise + by_parameters)
 
 
 @inlined
@@ -250,7 +228,7 @@ def _lay_out(model: Model, state: State, reasons: int, out: Floats) -> None:
     confirmed = confirmed_step(model, state)
     for q in range(2):
         out[CONFIRMED + 2 * q] = state.told[0, q, confirmed & mask_of(state.told.shape[2])]
-        out[CONFIRMED + 2 * q + 1] = _doubt(model, state, q, confirmed)
+        out[CONFIRMED + 2 * q + 1] = doubt(model, state, q, confirmed)
     by_slips = held_by_slips(state) if reasons & _IN_SLIPS else 0.0
     out[CONFIRMED + TORQUE_STD] += by_slips
     _answer_top(model, state, by_slips, out)
@@ -265,18 +243,18 @@ def _answer(state: State, tick: int, reasons: int, stick: float, out: Floats) ->
     scores = state.scores
     place = tick % scores.foretold.shape[3]
     for q in range(2):
-        doubt = out[CONFIRMED + 2 * q + 1]
+        unsure = out[CONFIRMED + 2 * q + 1]
         if reasons & _STALE:  # what was not measured the string was told by the law
-            doubt += missed(scores, FIRST, q, tick)
-        if math.isnan(doubt):
+            unsure += missed(scores, FIRST, q, tick)
+        if math.isnan(unsure):
             out[CONFIRMED + 2 * q] = math.nan
         else:
-            _tell(out, CONFIRMED + 2 * q, out[CONFIRMED + 2 * q], doubt)
+            _tell(out, CONFIRMED + 2 * q, out[CONFIRMED + 2 * q], unsure)
         for kind, at in ((FIRST, NOW), (LAST, FORECAST)):
             miss = missed(scores, kind, q, tick)
             if not math.isnan(miss):
                 # What was foretold was held against a confirmed answer that is not exact itself.
-                _tell(out, at + 2 * q, scores.foretold[kind, q, VALUE, place], miss + doubt)
+                _tell(out, at + 2 * q, scores.foretold[kind, q, VALUE, place], miss + unsure)
 
 
 @inlined
@@ -285,10 +263,10 @@ def _answer_top(model: Model, state: State, by_slips: float, out: Floats) -> Non
     step = confirmed_step(model, state) - (model.now - model.behind * model.steps)
     at = step & mask_of(state.told.shape[2])
     for q in range(2):
-        doubt = doubt_by_noise(model, state, 2 + q)
+        unsure = doubt_by_noise(model, state, 2 + q)
         if q == 1:
-            doubt += state.tuning.variance[OFFSET] + by_slips
-        _tell(out, TOP + 2 * q, state.told[0, 2 + q, at], doubt)
+            unsure += state.tuning.variance[OFFSET] + by_slips
+        _tell(out, TOP + 2 * q, state.told[0, 2 + q, at], unsure)
 
 
 @inlined

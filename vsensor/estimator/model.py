@@ -25,7 +25,11 @@ SHADOW_INERTIA = 0.05
 
 
 def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
-    """The model of a rig whose string was cut into `line`, `steps` internal steps in a tick."""
+    """The model of a rig whose string was cut into `line`, `steps` internal steps in a tick.
+
+    Its lowest section rings by half its wave length, and as if longer by a share with so much of its own
+    inertia ζθ at its end (Rayleigh 1894, section 90).
+    """
     rate, drive, measured = rig.loop.rate, rig.top_drive, rig.measurement
     passed = drive.gear_ratio * drive.efficiency
     plant = Plant(
@@ -58,6 +62,7 @@ def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
         shift=0,
         gains=gains(plant, at, lag, (_horizons(line, behind * steps, horizon, beyond) / steps).tolist()),
         bit_rate=plant.bit_rate,
+        ringing=_off_pitch(line, rig.tuning.delay) * float(line.impedance[-1] * line.round_trip[-1]),
         passed=passed,
         turns=drive.gear_ratio,
         limits=(measured.torque_limit / drive.gear_ratio, measured.speed_limit * drive.gear_ratio),
@@ -78,6 +83,12 @@ def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
         learns=rig.estimator.learn,
     )
     return timed(model)
+
+
+def _off_pitch(line: Line, delay: float) -> float:
+    """By what share the lowest section may ring too high or too low: its delay as told, and as rounded."""
+    told = float(line.depth[-1] - line.depth[-2])
+    return math.hypot(delay, float(line.round_trip[-1]) / (2 * told) - 1)
 
 
 def timed(model: Model) -> Model:

@@ -4,11 +4,14 @@ Each junction waits for the one below, and the processor with it. But the model 
 wait for one another: so they go side by side, junction by junction.
 """
 
+import math
+
 from vsensor.estimator.line import pass_bit
 from vsensor.estimator.load import Load, contact
 from vsensor.estimator.ring import mask_of
 from vsensor.estimator.sections import Floats, Integers
 from vsensor.estimator.state import BIT, Model, State, line_of
+from vsensor.estimator.tune import LATER
 from vsensor.jit import compiled, inlined
 
 
@@ -36,7 +39,7 @@ def _turn_bits(model: Model, load: Load, state: State, step: int) -> None:
         waves, balances = state.waves[which], state.balances[which]
         waves[-1, now], balances[BIT] = pass_bit(
             line_of(model, which),
-            load,
+            _load_of(model, load, state, which),
             waves,
             step,
             step - 1,
@@ -46,6 +49,24 @@ def _turn_bits(model: Model, load: Load, state: State, step: int) -> None:
             state.told[which],
             now,
         )
+
+
+@inlined
+def _load_of(model: Model, load: Load, state: State, which: int) -> Load:
+    """What a string's bit meets. Those of two shadows break loose later and ring lower, or sooner and higher.
+
+    How much holds a bit that rests is as uncertain as the rock is restless; and the pitch to which its string
+    rings, where it has broken loose, as the lengths are: that of so stiff a string's end no surface channel
+    tells. A bit that weighs more rings lower.
+    """
+    if which < LATER:
+        return load
+    rock = min(math.sqrt(state.rock_square[0]), load.static)
+    if which == LATER:
+        heavier = load.inertia_rate + model.ringing
+        return Load(load.viscous, load.kinetic, load.static + rock, load.stribeck, heavier)
+    looser, lighter = max(load.static - rock, load.kinetic), max(load.inertia_rate - model.ringing, 0.0)
+    return Load(load.viscous, load.kinetic, looser, load.stribeck, lighter)
 
 
 @inlined

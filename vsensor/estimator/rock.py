@@ -1,51 +1,84 @@
-"""How restless the rock is: it decides which gains are in force."""
+"""How restless the rock is, as innovations tell: it decides which gains are in force.
+
+All that the bit does and the law does not foresee counts as rock. Where the rock's variance is m times that
+of the level in force, the innovations have the spectrum
+
+    s (1 + (m − 1) D),    D = q |Y|² / S    the rock's share of what is seen (gains.py)
+
+and the score of Whittle's likelihood (1953) at m = 1, I their periodogram, tells of m:
+
+    m − 1 = (mean of D I / s − mean of D) / mean of D²
+
+In time D is how far innovations hang together that should not, d(n) by ticks apart: of each innovation v
+there is v (d(0) v + 2 Σ d(n) v(−n)) in place of D I. Where they are larger than they should be all told, as
+where something else is wrong, s is what they are: then only how they hang together tells.
+"""
 
 import math
 
-from vsensor.estimator.learn import SLIDING, load_in_force, weight_of
+from vsensor.estimator.learn import SLIDING, load_in_force
 from vsensor.estimator.load import law
-from vsensor.estimator.responses import TOLD_BIT_TORQUE
+from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import Model, State
 from vsensor.jit import compiled, inlined
 
 MEMORY_S = 5.0
-"""Time over which the rock's restlessness is forgotten."""
-SURE_S = 3.0
-"""What holds the bit is known once the law rests on so long a time of sliding;"""
+"""Time over which the rock's restlessness is forgotten,"""
 SOON_S = 2.0
-"""then a rock more restless than that is forgotten within so long: its torque does not turn about."""
-LEAST = 0.05
-"""The rock's variance is never taken to be a smaller share of the level's in force."""
+"""or so soon where it asks more than holds the bit, as off bottom: its torque does not turn about,"""
+SURE = 4.0
+"""or longer, where innovations tell so little that by chance its variance would be off by half of itself."""
+LEAST, MOST = 0.05, 16.0
+"""The rock's variance is never taken to be a smaller or a larger multiple of the level's in force: it is told
+of near that."""
 STEPS_APART = 0.3
 """Another level must be nearer by so much, in the logarithm of the variance, half of which is 0.7."""
-WILD = 4.0
-"""A residual beyond so many deviations counts as one of so many."""
 
 
 @compiled
-def weigh_rock(model: Model, state: State, speed: float, torque: float) -> None:
-    """Take a confirmed pair of a sliding bit: what the law leaves over, and what is not told of it.
-
-    (The step of expectation and maximisation for a variance: Shumway and Stoffer 1982.) It leaves the rock
-    near the level in force where little of it is told, the more so the calmer it is. So rock that is held to
-    be more restless than could be is measured at once by what alone is told of it: of the square of what the
-    law leaves over a share ε² is the rock's and ε (1 − ε) the level's, ε the share that gains tell of theirs.
-    """
-    if abs(speed) < SLIDING:
+def weigh_rock(model: Model, state: State) -> None:
+    """Take this tick's innovation, if there is one, of a bit that slides: at rest it is asked nothing."""
+    innovation, speed = state.innovation[0], state.junctions[0, -1]
+    if math.isnan(innovation) or abs(speed) < SLIDING:
         return
-    held = law(load_in_force(state.learned, model.bit_rate), speed)
-    left = torque - held
-    square, gains = state.rock_square[0], model.gains
-    assumed = gains.levels[state.level[0]] ** 2 * state.noisier[0]
-    untold = gains.variance[state.level[0], TOLD_BIT_TORQUE] * state.noisier[0]
-    seen = min(left * left, WILD * WILD * square)
-    if square > held * held and weight_of(state.learned) > SURE_S * model.rate:
-        told = 1.0 - untold / assumed
-        square += (assumed + (seen - told * assumed) / (told * told) - square) / (SOON_S * model.rate)
-    else:
-        square += (seen + untold - square) / (MEMORY_S * model.rate)
-    state.rock_square[0] = max(square, LEAST * assumed)
+    level, gains = state.level[0], model.gains
+    traces, telling = gains.traces[level], gains.telling[level]
+    expected = gains.innovation[level] * state.noisier[0] * max(1.0, state.surprise[0])
+    assumed = gains.levels[level] ** 2 * state.noisier[0]
+    hangs = innovation * hang_together(traces, state.innovations, state.ticks[0]) / expected - traces[0]
+    square, held = state.rock_square[0], law(load_in_force(state.learned, model.bit_rate), speed)
+    memory_s = SOON_S if square > held * held else MEMORY_S
+    square += (assumed * (1.0 + hangs / telling) - square) / max(memory_s * model.rate, SURE / telling)
+    state.rock_square[0] = min(max(square, LEAST * assumed), MOST * assumed)
     choose_level(model, state)
+
+
+@compiled
+def hang_together(traces: Floats, innovations: Floats, tick: int) -> float:
+    """By how much the newest of a ring of innovations hangs together with itself and those before."""
+    size = innovations.shape[0]
+    at = tick % size
+    before = min(traces.shape[0] - 1, at)
+    rest = traces.shape[0] - 1 - before
+    near = _product(traces[1 : 1 + before], innovations[at - before : at])
+    far = _product(traces[1 + before :], innovations[size - rest :])
+    return float(traces[0] * innovations[at] + 2.0 * (near + far))
+
+
+@inlined
+def _product(traces: Floats, before: Floats) -> float:
+    """Sum of products of traces, nearest first, and innovations, newest last; four sums that do not wait."""
+    last = before.shape[0] - 1
+    fours = before.shape[0] // 4
+    a = b = c = d = 0.0
+    for k in range(0, 4 * fours, 4):
+        a += traces[k] * before[last - k]
+        b += traces[k + 1] * before[last - k - 1]
+        c += traces[k + 2] * before[last - k - 2]
+        d += traces[k + 3] * before[last - k - 3]
+    for k in range(4 * fours, before.shape[0]):
+        a += traces[k] * before[last - k]
+    return a + b + c + d
 
 
 @inlined

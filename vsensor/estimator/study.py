@@ -1,10 +1,10 @@
 """What each confirmed answer teaches: of the rock, of the string, of the wall."""
 
+from vsensor.estimator.doubt import doubt_by_noise
 from vsensor.estimator.learn import learn, lose_sight
 from vsensor.estimator.misfit import MEMORY_S
 from vsensor.estimator.responses import TOLD_BIT_SPEED, TOLD_BIT_TORQUE, TOLD_TOP_SPEED
 from vsensor.estimator.ring import mask_of
-from vsensor.estimator.rock import weigh_rock
 from vsensor.estimator.score import EXPECTED, NOW, VALUE
 from vsensor.estimator.setdown import look_for_rock, wait_for_weight
 from vsensor.estimator.state import Model, State
@@ -40,19 +40,11 @@ def foretold_for(model: Model, state: State, kind: int) -> tuple[int, int]:
 
 
 @inlined
-def doubt_by_noise(model: Model, state: State, quantity: int) -> float:
-    """Variance of a confirmed answer by noise and rock, as far as innovations are no larger than foreseen."""
-    told = model.gains.variance[state.level[0], quantity]
-    return float(told * state.noisier[0] * max(1.0, state.surprise[0]))
-
-
-@inlined
-def study_rock(model: Model, state: State) -> None:
-    """Learn of rock and load law from what is confirmed of a bit on bottom."""
+def study_law(model: Model, state: State) -> None:
+    """Learn the load law from what is confirmed of a bit on bottom."""
     tick, step = foretold_for(model, state, NOW)
     at = step & mask_of(state.told.shape[2])
     speed, torque = state.told[0, TOLD_BIT_SPEED, at], state.told[0, TOLD_BIT_TORQUE, at]
-    weigh_rock(model, state, speed, torque)
     if wait_for_weight(state.learned) and model.learns:
         held = state.held[(state.ticks[0] - model.lag) % state.held.shape[0]]
         learn(state.learned, held, _unmoved(state, tick, speed), torque, model.rate, state.ticks[0])
@@ -65,7 +57,6 @@ def await_rock(model: Model, state: State) -> None:
     _, step = foretold_for(model, state, NOW)
     at = step & mask_of(state.told.shape[2])
     speed, torque = state.told[0, TOLD_BIT_SPEED, at], state.told[0, TOLD_BIT_TORQUE, at]
-    weigh_rock(model, state, speed, torque)
     look_for_rock(state.learned, speed, torque, -state.off_bottom[0] / model.rate, model.rate)
 
 
@@ -109,7 +100,6 @@ def study_wall(model: Model, state: State) -> None:
     step = confirmed_step(model, state)
     mask = mask_of(state.told.shape[2])
     speed, torque = state.told[0, TOLD_BIT_SPEED, step & mask], state.told[0, TOLD_BIT_TORQUE, step & mask]
-    weigh_rock(model, state, speed, torque)
     travel = model.now - model.behind * model.steps
     top = state.told[0, TOLD_TOP_SPEED, (step - travel) & mask]
     steady = abs(top) > TURNING and abs(speed - top) < STEADY * abs(top)

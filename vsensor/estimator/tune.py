@@ -2,8 +2,8 @@
 friction, torque's zero.
 
 Beside the model string run shadows of it, a pair for each of the first three: with more of it and with less.
-What their answers differ by tells what an uncertain parameter costs the answer. Whose innovations are
-smallest is nearest to the truth: so delay and impedance are found (misfit.py). The others cannot be told
+What their answers differ by tells what an uncertain parameter costs the answer (doubt.py). Whose innovations
+are smallest is nearest to the truth: so delay and impedance are found (misfit.py). The others cannot be told
 while there is a rock, which innovations lay everything to. Off bottom there is none, and a tare tells them
 (tare.py).
 """
@@ -24,7 +24,9 @@ TARED = slice(INERTIA, PARAMETERS)
 """and those that a tare tells."""
 SHADOWED = 3
 """Delay, impedance and inertia have shadows, a pair each: more of it, and less."""
-STRINGS = 1 + 2 * SHADOWED
+LATER, SOONER = 1 + 2 * SHADOWED, 2 + 2 * SHADOWED
+"""Two more have a bit that breaks loose later, or sooner (rise.py)."""
+STRINGS = 3 + 2 * SHADOWED
 """The model string, and then its shadows, in that order."""
 BOUND = 3.0
 """No correction goes beyond so many of the stated deviations."""

@@ -45,7 +45,7 @@ class SimulatedRig:
         coarse = steps_per_tick(rig.string, self._period)
         self._steps = max(coarse, math.ceil(self._period / FINE_STEP_S))
         step = self._period / self._steps
-        self._ago = step * np.arange(self._steps)[::-1]
+        self._ago = step * np.arange(self._steps, dtype=np.float64)[::-1]
         line = cut(rig.string, step, SECTION_LENGTH, rig.survey, rig.wellbore)
         self._string = ForwardLine(line, rig.top_drive, rig.bit, step)
         gain = plan.damping * float(line.impedance[0])

@@ -35,7 +35,7 @@ class Plan:
     def speed_at(self, time_s: Floats) -> Floats:
         """Commanded string speed, rad/s, at times of shape (n,), s."""
         times, speeds = zip(*self.speed, strict=True)
-        return np.interp(time_s, times, speeds)
+        return np.asarray(np.interp(time_s, times, speeds))
 
     def bit_at(self, bit: Bit, time_s: float) -> Bit:
         """The load law at a time."""
