@@ -6,9 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.strings import BIT, COLLAR, DRIVE, PIPE, rig
+from vsensor.estimator.component import delay
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.learn import load_in_force
 from vsensor.estimator.line import march
+from vsensor.estimator.load import Load
 from vsensor.estimator.ring import mask_of
 from vsensor.estimator.rise import rise
 from vsensor.estimator.state import BIT as BIT_END
@@ -71,6 +73,16 @@ def test_each_string_marches_as_if_it_were_alone(
     assert (together.junctions[1:] != together.junctions[0]).any()
 
 
+def test_the_collars_ring_as_much_lower_as_their_length_is_unsure(estimator: Estimator) -> None:
+    """Free at the top but for thin pipe, with a mass m at their end: tan ωT = −ωm/ζ (Rayleigh 1894, 171)."""
+    model, rate = estimator._model, STRING.loop.rate * estimator.steps_per_tick
+    travel, mass = model.round_trips[0, -1] / 2 / rate, model.ringing / 2 / rate
+    omega = np.linspace(0.9, 1.0, 100_001) * np.pi / travel
+    pitch = omega[np.argmin(np.abs(np.tan(omega * travel) + omega * mass / model.impedances[0, -1]))]
+    unsure = np.hypot(STRING.tuning.delay, travel / delay(COLLAR) - 1)
+    assert 1 - pitch * travel / np.pi == pytest.approx(unsure, rel=0.05)
+
+
 def test_a_bit_may_break_loose_sooner_but_holds_no_less_than_while_it_slides(estimator: Estimator) -> None:
     """However restless the rock, and however light the bit."""
     model = estimator._model._replace(ringing=1e9)
@@ -79,3 +91,15 @@ def test_a_bit_may_break_loose_sooner_but_holds_no_less_than_while_it_slides(est
     rise(model, load_in_force(state.learned, model.bit_rate), state, 0)
     assert np.isfinite(state.junctions).all()
     assert np.isfinite(state.told[SOONER]).all()
+
+
+def test_where_there_is_no_rock_nothing_breaks_loose(estimator: Estimator) -> None:
+    model = estimator._model._replace(ringing=0.0)
+    state = in_motion(model, 1, 0.0)
+    for each in (state.waves, state.junctions, state.rock):
+        each[...] = each[0]
+    for step in range(STEPS):
+        rise(model, Load(0.0, 0.0, 0.0, 1.0, model.bit_rate), state, step)
+    assert np.ptp(state.told[0]) > 0
+    for which in (LATER, SOONER):
+        np.testing.assert_array_equal(state.told[which], state.told[0])
