@@ -2,6 +2,8 @@
 PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.up-to-date
+# Several tests at a time keep the processors busy; a library's threads on top of that wait for one another in vain.
+export OPENBLAS_NUM_THREADS := 1
 # All that is about kernels.
 INTERPRETED := $(filter-out %_gains.py %_sections.py %_sound.py %_wellpath.py, $(wildcard tests/test_estimator_*.py))
 

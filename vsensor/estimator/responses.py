@@ -146,7 +146,7 @@ def squares_along(plant: Plant, at: Stations, waves: Floats, start: int, stop: i
         (of_f, of_g), (f_late, g_late) = seats.row[:, k], seats.late[:, k]
         f = waves[0, section, of_f, start - f_late : stop - f_late + g_late]
         g = waves[1, section, of_g, start - g_late : stop]
-        down[k], both[k], back[k] = f @ f, f @ g, g @ g
+        down[k], both[k], back[k] = _product(f, f), _product(f, g), _product(g, g)
     fades = np.exp(-seats.late / (MEMORY_S * plant.rate))
     down, both, back = down * fades[0] ** 2, both * fades[0] * fades[1], back * fades[1] ** 2
     turns = 0.5 / line.impedance[at.section]
@@ -154,6 +154,12 @@ def squares_along(plant: Plant, at: Stations, waves: Floats, start: int, stop: i
     speed = turns**2 * (down - 2 * both + back)
     torque = (0.5 + rubbed) ** 2 * down + 2 * (0.25 - rubbed**2) * both + (0.5 - rubbed) ** 2 * back
     return np.array([speed, torque])
+
+
+def _product(one: Floats, other: Floats) -> float:
+    """Sum of products. `one @ other` is work for several threads of BLAS, which wait in vain for one another
+    where the processors are busy."""
+    return float(np.einsum("i,i", one, other))
 
 
 @compiled
