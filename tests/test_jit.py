@@ -6,6 +6,7 @@ And all that Python calls is compiled before a daemon says that it is ready.
 import ast
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -13,11 +14,16 @@ import pytest
 from vsensor.jit import COMPILED
 
 ROOT = Path(__file__).parents[1]
-MODULES = {
-    ".".join(path.relative_to(ROOT).with_suffix("").parts): ast.parse(path.read_text(encoding="utf-8"))
-    for folder in ("vsensor", "tests")
-    for path in (ROOT / folder).rglob("*.py")
-}
+
+
+@cache
+def modules() -> dict[str, ast.Module]:
+    """All of ours by name, read where they are asked for: it takes seconds."""
+    return {
+        ".".join(path.relative_to(ROOT).with_suffix("").parts): ast.parse(path.read_text(encoding="utf-8"))
+        for folder in ("vsensor", "tests")
+        for path in (ROOT / folder).rglob("*.py")
+    }
 
 
 def decorated(module: ast.Module, *names: str) -> list[ast.FunctionDef]:
@@ -29,39 +35,41 @@ def decorated(module: ast.Module, *names: str) -> list[ast.FunctionDef]:
     ]
 
 
-PARTS = {(name, part.name) for name, module in MODULES.items() for part in decorated(module, "inlined")}
+@cache
+def all_parts() -> set[tuple[str, str]]:
+    return {(name, part.name) for name, module in modules().items() for part in decorated(module, "inlined")}
 
 
 def known(name: str, module: ast.Module) -> tuple[dict[str, tuple[str, str]], dict[str, str]]:
     """What parts, and what modules, are called within a module."""
-    parts = {part: (of, part) for of, part in PARTS if of == name}
-    modules = {}
+    parts = {part: (of, part) for of, part in all_parts() if of == name}
+    called = {}
     for node in ast.walk(module):
         if isinstance(node, ast.ImportFrom) and node.module:
             for one in node.names:
-                if (node.module, one.name) in PARTS:
+                if (node.module, one.name) in all_parts():
                     parts[one.asname or one.name] = (node.module, one.name)
-                if f"{node.module}.{one.name}" in MODULES:
-                    modules[one.asname or one.name] = f"{node.module}.{one.name}"
-    return parts, modules
+                if f"{node.module}.{one.name}" in modules():
+                    called[one.asname or one.name] = f"{node.module}.{one.name}"
+    return parts, called
 
 
 def called_from_python(name: str, module: ast.Module) -> set[tuple[str, str]]:
-    parts, modules = known(name, module)
+    parts, called = known(name, module)
     kernels = decorated(module, "compiled", "inlined")
     found = set()
     for node in (inner for outer in module.body if outer not in kernels for inner in ast.walk(outer)):
         match node:
             case ast.Call(func=ast.Name(id=part)) if part in parts:
                 found.add(parts[part])
-            case ast.Call(func=ast.Attribute(value=ast.Name(id=of), attr=part)) if of in modules:
-                found.add((modules[of], part))
-    return found & PARTS
+            case ast.Call(func=ast.Attribute(value=ast.Name(id=of), attr=part)) if of in called:
+                found.add((called[of], part))
+    return found & all_parts()
 
 
 def test_python_calls_no_part_of_a_kernel() -> None:
-    assert len(PARTS) > 50
-    for name, module in MODULES.items():
+    assert len(all_parts()) > 50
+    for name, module in modules().items():
         assert called_from_python(name, module) == set(), name
 
 
