@@ -2,8 +2,6 @@
 PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.up-to-date
-# Several tests at a time keep the processors busy; a library's threads on top of that wait for one another in vain.
-export OPENBLAS_NUM_THREADS := 1
 # All that is about kernels.
 INTERPRETED := $(filter-out %_gains.py %_sections.py %_sound.py %_wellpath.py, $(wildcard tests/test_estimator_*.py))
 
@@ -12,9 +10,11 @@ INTERPRETED := $(filter-out %_gains.py %_sections.py %_sound.py %_wellpath.py, $
 demo: $(STAMP)
 	$(BIN)/vsensor demo $(ARGS)
 
-# A third of the time is waiting for daemons: four at a time keep two processors busy. The kernels as they stand, without
+# A third of the time is waiting for daemons: four at a time keep two processors busy; a library's threads on top of that
+# would wait for one another in vain. The kernels as they stand, without
 # the compiler, are tested beside all else, to which that gives way (nice); each that is slow for that is not stuck: more
 # patience than the rest has.
+test: export OPENBLAS_NUM_THREADS := 1
 test: $(STAMP)
 	@$(MAKE) --no-print-directory --jobs=2 test-all test-interpreted
 

@@ -38,17 +38,19 @@ def in_motion(model: Model, seed: int, resting: float) -> State:
 
 
 @settings(max_examples=10)
-@given(st.integers(0, 2**32 - 1), st.floats(0, 0.5), st.integers(0, 10_000))
+@given(st.integers(0, 2**32 - 1), st.floats(0, 0.5), st.integers(0, 10_000), st.sampled_from((1.0, 1e3)))
 def test_each_string_marches_as_if_it_were_alone(
-    estimator: Estimator, seed: int, resting: float, first: int
+    estimator: Estimator, seed: int, resting: float, first: int, unsure: float
 ) -> None:
-    model = estimator._model
+    """A bit that is light beside what is unsure keeps half of its inertia."""
+    model = estimator._model._replace(ringing=unsure * estimator._model.ringing)
     together, alone = in_motion(model, seed, resting), in_motion(model, seed, resting)
     load = load_in_force(together.learned, model.bit_rate)
     rock = float(np.sqrt(together.rock_square[0]))
     loads = [load] * len(alone.waves)
+    lighter = max(load.inertia_rate - model.ringing, load.inertia_rate / 2)
     loads[LATER] = load._replace(static=load.static + rock, inertia_rate=load.inertia_rate + model.ringing)
-    loads[SOONER] = load._replace(static=load.static - rock, inertia_rate=load.inertia_rate - model.ringing)
+    loads[SOONER] = load._replace(static=load.static - rock, inertia_rate=lighter)
     mask = mask_of(together.waves.shape[2])
     for step in range(first, first + STEPS):
         rise(model, load, together, step)
@@ -76,21 +78,11 @@ def test_each_string_marches_as_if_it_were_alone(
 def test_the_collars_ring_as_much_lower_as_their_length_is_unsure(estimator: Estimator) -> None:
     """Free at the top but for thin pipe, with a mass m at their end: tan ωT = −ωm/ζ (Rayleigh 1894, 171)."""
     model, rate = estimator._model, STRING.loop.rate * estimator.steps_per_tick
-    travel, mass = model.round_trips[0, -1] / 2 / rate, model.ringing / 2 / rate
+    travel, mass = model.round_trips[0, -1] / 2 / rate, model.ringing / 2 / rate  # of the collars alone
     omega = np.linspace(0.9, 1.0, 100_001) * np.pi / travel
     pitch = omega[np.argmin(np.abs(np.tan(omega * travel) + omega * mass / model.impedances[0, -1]))]
     unsure = np.hypot(STRING.tuning.delay, travel / delay(COLLAR) - 1)
     assert 1 - pitch * travel / np.pi == pytest.approx(unsure, rel=0.05)
-
-
-def test_a_bit_may_break_loose_sooner_but_holds_no_less_than_while_it_slides(estimator: Estimator) -> None:
-    """However restless the rock, and however light the bit."""
-    model = estimator._model._replace(ringing=1e9)
-    state = in_motion(model, 1, 0.0)
-    state.rock_square[0] = 1e12
-    rise(model, load_in_force(state.learned, model.bit_rate), state, 0)
-    assert np.isfinite(state.junctions).all()
-    assert np.isfinite(state.told[SOONER]).all()
 
 
 def test_where_there_is_no_rock_nothing_breaks_loose(estimator: Estimator) -> None:

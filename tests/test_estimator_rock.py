@@ -90,6 +90,19 @@ def test_a_bit_that_hardly_turns_says_nothing_of_the_rock(estimator: Estimator) 
     assert weighed(estimator, np.ones(50)) == before
 
 
+def test_nor_does_an_innovation_where_none_tells_of_it() -> None:
+    """A bit that is too heavy for any rock."""
+    estimator = Estimator(LINEAR)
+    estimator._state.junctions[0, -1] = 10.0
+    model = estimator._model
+    mute = model.gains._replace(
+        traces=np.zeros_like(model.gains.traces), telling=np.zeros_like(model.gains.telling)
+    )
+    estimator._run_by(model._replace(gains=mute))
+    before = estimator.rock_std
+    assert weighed(estimator, np.ones(50)) == before
+
+
 def test_nor_does_a_tick_without_a_reading(estimator: Estimator) -> None:
     before = estimator.rock_std
     assert weighed(estimator, np.full(50, np.nan)) == before

@@ -37,8 +37,8 @@ def _lateness(measured: Sequence[Measured]) -> Table:
         ),
         tuple(_lateness_row(one) for one in measured),
         (
-            f"C: a bare loop at the same rate, under the same load and with the daemon's scheduling, in turn "
-            f"with it, {TURN_S:g} s each or less"
+            f"C: a bare loop at the same rate and with the daemon's scheduling, under the same load, that is "
+            f"beside the daemon; which is measured in turn with it, {TURN_S:g} s each or less, without it"
             if any(one.bare for one in measured)
             else NO_COMPILER,
             measured[0].condition,
@@ -89,8 +89,8 @@ def _cost(measured: Sequence[Measured]) -> Table:
         ("loop and load", "of one core, %", "memory, MB", "after, min", "slope, kB/min"),
         tuple(_cost_row(one) for one in measured),
         (
-            "slope: a line through the memory at the ends of the turns; for some minutes a daemon fills what "
-            "it keeps for others",
+            f"slope: a line through the memory at the ends of turns of {TURN_S:g} s, if there are three or more",
+            "for ten minutes a daemon fills what it keeps for others",
         ),
     )
 

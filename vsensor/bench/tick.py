@@ -126,8 +126,8 @@ def _run(model: Model, state: State, torque: Floats, speed: Floats, part: int, t
         if doubts:
             lose_sight(state.learned)
         else:
-            weigh_rock(model, state)
             study.study_law(model, state)
+            weigh_rock(model, state)
             if part == TUNED:
                 study.study_string(model, state)
         at = study.confirmed_step(model, state) & mask_of(state.told.shape[2])

@@ -1,7 +1,7 @@
 """The daemon under load: with recording, with the view, with both, with a busy neighbour.
 
-In turn with it, under the same load, a bare loop in C, at the same priority if the daemon has one; in the
-daemon's own turns a bare Zenoh echo.
+In turn with it a bare loop in C, at the same priority if the daemon has one, and under the same load: that is
+beside the daemon, which is measured without it. In the daemon's own turns a bare Zenoh echo.
 """
 
 import json

@@ -70,6 +70,7 @@ class ForwardLine:
         Returns motor speed at each step, and bit speed and torque `bit_delay` earlier, all (n,).
         """
         torques = np.ascontiguousarray(motor_torque, dtype=np.float64)
+        self._integral[:] = 0.0
         _, *told = self._run(NONE, torques, np.zeros(len(torques)), bit_torque)
         return told[0], told[1], told[2]
 

@@ -70,8 +70,8 @@ class Gains(NamedTuple):
     along: Floats
     """Of speed and torque at the string's stations when confirmed, shape (C, 2, n)."""
     traces: Floats
-    """How far innovations hang together, over their variance, by ticks apart, where the rock's is twice the
-    level's; shape (C, lag)."""
+    """How far innovations, else white, hang together over their variance, by ticks apart, where the rock's is
+    twice the level's; shape (C, lag)."""
     telling: Floats
     """The sum of their squares, of both signs: what one innovation tells of that, shape (C,)."""
     band: Floats

@@ -115,7 +115,7 @@ class Known:
 
     @property
     def rock_std(self) -> float:
-        """Standard deviation of the bit's torque about the load law, N·m."""
+        """Standard deviation of what the bit does that the load law does not foresee, as a torque, N·m."""
         return float(np.sqrt(self._state.rock_square[0]))
 
     @property

@@ -25,11 +25,7 @@ SHADOW_INERTIA = 0.05
 
 
 def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
-    """The model of a rig whose string was cut into `line`, `steps` internal steps in a tick.
-
-    Its lowest section rings by half its wave length, and as if longer by a share with so much of its own
-    inertia ζθ at its end (Rayleigh 1894, section 90).
-    """
+    """The model of a rig whose string was cut into `line`, `steps` internal steps in a tick."""
     rate, drive, measured = rig.loop.rate, rig.top_drive, rig.measurement
     passed = drive.gear_ratio * drive.efficiency
     plant = Plant(
@@ -62,7 +58,7 @@ def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
         shift=0,
         gains=gains(plant, at, lag, (_horizons(line, behind * steps, horizon, beyond) / steps).tolist()),
         bit_rate=plant.bit_rate,
-        ringing=_off_pitch(line, rig.tuning.delay) * float(line.impedance[-1] * line.round_trip[-1]),
+        ringing=_ringing(line, rig.tuning.delay),
         passed=passed,
         turns=drive.gear_ratio,
         limits=(measured.torque_limit / drive.gear_ratio, measured.speed_limit * drive.gear_ratio),
@@ -85,10 +81,18 @@ def model_of(rig: Rig, line: Line, at: Stations, steps: int) -> Model:
     return timed(model)
 
 
-def _off_pitch(line: Line, delay: float) -> float:
-    """By what share the lowest section may ring too high or too low: its delay as told, and as rounded."""
-    told = float(line.depth[-1] - line.depth[-2])
-    return math.hypot(delay, float(line.round_trip[-1]) / (2 * told) - 1)
+def _ringing(line: Line, delay: float) -> float:
+    """2 m / Δt of a mass m at the bit that makes the string's end ring lower by what is unsure of its pitch.
+
+    What is below the greatest step of impedance, the collars mostly, rings by half a wave length, and as if
+    longer by a share with so much of its own inertia ζθ at its end (Rayleigh 1894, section 90). Unsure are
+    its delay as told, by the share `delay`, and as rounded.
+    """
+    steps = line.impedance[1:] / line.impedance[:-1]
+    top = int(np.argmax(steps)) + 1 if len(steps) else 0
+    told = float(line.depth[-1] - line.depth[top])
+    rounding = float(line.round_trip[top:].sum()) / (2 * told) - 1
+    return math.hypot(delay, rounding) * float(np.sum(line.impedance[top:] * line.round_trip[top:]))
 
 
 def timed(model: Model) -> Model:

@@ -55,9 +55,10 @@ def _turn_bits(model: Model, load: Load, state: State, step: int) -> None:
 def _load_of(model: Model, load: Load, state: State, which: int) -> Load:
     """What a string's bit meets. Those of two shadows break loose later and ring lower, or sooner and higher.
 
-    How much holds a bit that rests is as uncertain as the rock is restless; and the pitch to which its string
-    rings, where it has broken loose, as the lengths are: that of so stiff a string's end no surface channel
-    tells. A bit that weighs more rings lower.
+    How much holds a bit that rests, or slides slowly, is as uncertain as the rock is restless; and the pitch
+    to which its string rings, where it has broken loose, as the lengths are: that of so stiff a string's end
+    no surface channel tells. A bit that weighs more rings lower. What there is of a bit's inertia stays by
+    half: without any it would not forget a correction of J dω/dt (trapezoid rule).
     """
     if which < LATER:
         return load
@@ -65,8 +66,8 @@ def _load_of(model: Model, load: Load, state: State, which: int) -> Load:
     if which == LATER:
         heavier = load.inertia_rate + model.ringing
         return Load(load.viscous, load.kinetic, load.static + rock, load.stribeck, heavier)
-    looser, lighter = max(load.static - rock, load.kinetic), max(load.inertia_rate - model.ringing, 0.0)
-    return Load(load.viscous, load.kinetic, looser, load.stribeck, lighter)
+    lighter = max(load.inertia_rate - model.ringing, 0.5 * load.inertia_rate)
+    return Load(load.viscous, load.kinetic, max(load.static - rock, load.kinetic), load.stribeck, lighter)
 
 
 @inlined

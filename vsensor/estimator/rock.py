@@ -48,7 +48,8 @@ def weigh_rock(model: Model, state: State) -> None:
     hangs = innovation * hang_together(traces, state.innovations, state.ticks[0]) / expected - traces[0]
     square, held = state.rock_square[0], law(load_in_force(state.learned, model.bit_rate), speed)
     memory_s = SOON_S if square > held * held else MEMORY_S
-    square += (assumed * (1.0 + hangs / telling) - square) / max(memory_s * model.rate, SURE / telling)
+    # Of a rock that no innovation tells of at all nothing is taken, and divided by nothing.
+    square += (assumed * (telling + hangs) - square * telling) / max(memory_s * model.rate * telling, SURE)
     state.rock_square[0] = min(max(square, LEAST * assumed), MOST * assumed)
     choose_level(model, state)
 

@@ -57,7 +57,7 @@ class Model(NamedTuple):
     bit_rate: float
     """2 J / Δt of the bit, N·m·s/rad: what its inertia adds to an impedance (trapezoid rule)."""
     ringing: float
-    """What those of two shadows have more and less of that: their strings ring as if longer and shorter."""
+    """What those of two shadows have more and less of that: their strings ring lower and higher."""
     passed: float
     """String torque for one of motor torque: gear · efficiency."""
     turns: float

@@ -1,4 +1,4 @@
-"""What each confirmed answer teaches: of the rock, of the string, of the wall."""
+"""What each confirmed answer teaches: of the load law, of the string, of the wall."""
 
 from vsensor.estimator.doubt import doubt_by_noise
 from vsensor.estimator.learn import learn, lose_sight
