@@ -89,7 +89,7 @@ def _cost(measured: Sequence[Measured]) -> Table:
         ("loop and load", "of one core, %", "memory, MB", "after, min", "slope, kB/min"),
         tuple(_cost_row(one) for one in measured),
         (
-            f"slope: a line through the memory at the ends of turns of {TURN_S:g} s, if there are three or more",
+            f"slope: a line through the memory at the ends of turns of {TURN_S:g} s, if there are three",
             "for ten minutes a daemon fills what it keeps for others",
         ),
     )
