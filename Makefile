@@ -11,9 +11,8 @@ demo: $(STAMP)
 	$(BIN)/vsensor demo $(ARGS)
 
 # A third of the time is waiting for daemons: four at a time keep two processors busy; a library's threads on top of that
-# would wait for one another in vain. The kernels as they stand, without
-# the compiler, are tested beside all else, to which that gives way (nice); each that is slow for that is not stuck: more
-# patience than the rest has.
+# would wait for one another in vain. The kernels as they stand, without the compiler, are tested beside all else, to which
+# that gives way (nice); each that is slow for that is not stuck: more patience than the rest has.
 test: export OPENBLAS_NUM_THREADS := 1
 test: $(STAMP)
 	@$(MAKE) --no-print-directory --jobs=2 test-all test-interpreted

@@ -62,16 +62,20 @@ def test_the_bit_is_that_of_the_reference(case: tuple[str, Columns, Columns]) ->
     assert abs(np.mean(torque)) < 100
 
 
+TOO_WIDE = {("deviated_off_bottom", "now"), ("deviated_off_bottom", "forecast")}
+"""Asked are 90 to 99 %. Off bottom hardly anything is missed, and the deviations hold what parameters may be
+wrong by, which none is here: more than 99.9 % of the errors are within, by less than twice too wide."""
+
+
 @pytest.mark.parametrize("kind", ["confirmed", "now", "forecast"])
 def test_errors_of_speed_are_as_large_as_is_stated(case: tuple[str, Columns, Columns], kind: str) -> None:
-    """Within two stated deviations: 95 % of the errors were they normal and the statement exact.
-
-    And no smaller than half of what is stated (rms): what lies beyond two deviations are too few to tell.
-    """
-    _, told, truth = case
+    """Within two stated deviations: 95 % of the errors were they normal and the statement exact."""
+    name, told, truth = case
     error, deviation = errors(told, truth, kind, SPEED)
     assert len(error) > 1000
-    assert np.mean(np.abs(error) <= 2 * deviation) >= 0.90
+    within = np.mean(np.abs(error) <= 2 * deviation)
+    assert within >= 0.90
+    assert within <= 0.999 or (name, kind) in TOO_WIDE
     assert rms(error / deviation) >= 0.5
 
 

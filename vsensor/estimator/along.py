@@ -23,9 +23,9 @@ import numpy as np
 
 from vsensor.config import Component
 from vsensor.estimator.line import rubbing
-from vsensor.estimator.ring import mask_of
+from vsensor.estimator.ring import mask_of, weighted
 from vsensor.estimator.sections import Floats, Integers, Line
-from vsensor.jit import compiled, inlined
+from vsensor.jit import compiled
 
 INTERVALS = 50
 """The string is told at its components' ends and in so many steps of equal length between them."""
@@ -167,29 +167,9 @@ def late_correction(heard: Heard, since: int, of_innovation: Floats, step: int, 
             at = tick % size
             until = at + min(end - tick, size - at)
             gains = of_innovation[level, : gain + 1]
-            total += _weighted(gains, heard.steps, heard.innovations[at:until])
+            total += weighted(gains, heard.steps, heard.innovations[at:until])
             tick += until - at
     return total
-
-
-@inlined
-def _weighted(gains: Floats, steps: int, innovations: Floats) -> float:
-    """Innovations (n,), each by the gain of its age; in four sums, which wait less.
-
-    The last of the gains is that of the first innovation.
-    """
-    a = b = c = d = 0.0
-    last = gains.shape[0] - 1
-    fours = innovations.shape[0] // 4
-    for four in range(fours):
-        k = 4 * four
-        a += gains[last - k * steps] * innovations[k]
-        b += gains[last - (k + 1) * steps] * innovations[k + 1]
-        c += gains[last - (k + 2) * steps] * innovations[k + 2]
-        d += gains[last - (k + 3) * steps] * innovations[k + 3]
-    for k in range(4 * fours, innovations.shape[0]):
-        a += gains[last - k * steps] * innovations[k]
-    return (a + b) + (c + d)
 
 
 def catch_up(heard: Heard, waves: Floats, returned: Floats) -> None:

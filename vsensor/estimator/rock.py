@@ -18,6 +18,7 @@ import math
 
 from vsensor.estimator.learn import SLIDING, load_in_force
 from vsensor.estimator.load import law
+from vsensor.estimator.ring import weighted
 from vsensor.estimator.sections import Floats
 from vsensor.estimator.state import Model, State
 from vsensor.jit import compiled, inlined
@@ -61,25 +62,9 @@ def hang_together(traces: Floats, innovations: Floats, tick: int) -> float:
     at = tick % size
     before = min(traces.shape[0] - 1, at)
     rest = traces.shape[0] - 1 - before
-    near = _product(traces[1 : 1 + before], innovations[at - before : at])
-    far = _product(traces[1 + before :], innovations[size - rest :])
+    near = weighted(innovations[at - before : at], 1, traces[1 : 1 + before])
+    far = weighted(innovations[size - rest :], 1, traces[1 + before :])
     return float(traces[0] * innovations[at] + 2.0 * (near + far))
-
-
-@inlined
-def _product(traces: Floats, before: Floats) -> float:
-    """Sum of products of traces, nearest first, and innovations, newest last; four sums that do not wait."""
-    last = before.shape[0] - 1
-    fours = before.shape[0] // 4
-    a = b = c = d = 0.0
-    for k in range(0, 4 * fours, 4):
-        a += traces[k] * before[last - k]
-        b += traces[k + 1] * before[last - k - 1]
-        c += traces[k + 2] * before[last - k - 2]
-        d += traces[k + 3] * before[last - k - 3]
-    for k in range(4 * fours, before.shape[0]):
-        a += traces[k] * before[last - k]
-    return a + b + c + d
 
 
 @inlined

@@ -981,7 +981,7 @@ class Status(_message.Message):
     string_length_m: _builtins.float
     off_bottom: _builtins.bool
     rock_std_nm: _builtins.float
-    """standard deviation of the bit's torque about the load law"""
+    """standard deviation of what the bit does and the load law does not foresee"""
     bandwidth_hz: _builtins.float
     """up to here at least half of that is told, beyond it is guessed by the law"""
     sticks_foretold: _builtins.int

@@ -62,7 +62,7 @@ GAUGES = {
     "depths_silent": ("depths_silent", "Whether a depth channel that has spoken is silent."),
     "rock_std_nm": (
         "rock_torque_std_newton_meters",
-        "Standard deviation of the bit's torque about the load law.",
+        "Standard deviation of what the bit does and the load law does not foresee, as a torque.",
     ),
     "delay_correction": ("delay_correction_ratio", "What the record corrected of the waves' travel time."),
     "impedance_correction": (
