@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsensor.config import Tuning as Settings
-from vsensor.estimator.tare import acceleration, correct_by_tare, weigh_tare
-from vsensor.estimator.tune import FRICTION, INERTIA, OFFSET, TARED, Tuning, fresh_tuning
+from vsensor.estimator.tare import acceleration, correct_by_bound, correct_by_tare, weigh_tare
+from vsensor.estimator.tune import FRICTION, INERTIA, OFF, OFFSET, ON, TARED, Tuning, fresh_tuning
 
 RATE = 50.0
 
@@ -18,7 +18,7 @@ def test_off_bottom_the_walls_friction_is_found_once_and_no_more() -> None:
     for _ in range(5):
         for _ in range(500):
             wall = 5e3 * (1 + float(tuning.value[FRICTION]))
-            weigh_tare(tuning, 0.0, wall, 6.5e3 - wall, 100.0**2, RATE)
+            weigh_tare(tuning, OFF, 0.0, wall, 6.5e3 - wall, 100.0**2, RATE)
         correct_by_tare(tuning, True)
     assert tuning.value[FRICTION] == pytest.approx(0.3, abs=0.02)
     assert tuning.variance[FRICTION] < 0.02**2
@@ -32,7 +32,7 @@ def tared(wrong: Settings, offset: float, rough: float, walls: list[float]) -> T
             for _ in range(500):
                 told = wall * (1 + float(tuning.value[FRICTION]))
                 left = offset - float(tuning.value[OFFSET]) + wall * (1 + rough) - told
-                weigh_tare(tuning, 0.0, told, left, 100.0**2, RATE)
+                weigh_tare(tuning, OFF, 0.0, told, left, 100.0**2, RATE)
         correct_by_tare(tuning, True)
     return tuning
 
@@ -75,7 +75,7 @@ def test_inertia_and_wall_are_parted_where_the_string_speeds_up() -> None:
             for _ in range(500):
                 wall = 5e3 * (1 + float(tuning.value[FRICTION]))
                 left = 6e3 - wall + inertial * (0.08 - float(tuning.value[INERTIA]))
-                weigh_tare(tuning, inertial, wall, left, 100.0**2, RATE)
+                weigh_tare(tuning, OFF, inertial, wall, left, 100.0**2, RATE)
         correct_by_tare(tuning, True)
     assert tuning.value[INERTIA] == pytest.approx(0.08, abs=0.005)
     assert tuning.value[FRICTION] == pytest.approx(0.2, abs=0.005)
@@ -86,11 +86,43 @@ def test_no_tare_goes_beyond_three_deviations_and_none_is_taken_up_when_switched
     for enabled, most in ((True, 3 * Settings().friction), (False, 0.0)):
         tuning = fresh_tuning(Settings(), 1.0)
         for _ in range(500):
-            weigh_tare(tuning, 0.0, 5e3, 5e3, 100.0**2, RATE)
+            weigh_tare(tuning, OFF, 0.0, 5e3, 5e3, 100.0**2, RATE)
         assert correct_by_tare(tuning, enabled) == enabled
         assert tuning.value[FRICTION] == pytest.approx(most)
         # It is known to be rougher than that, and the deviation says so.
         assert tuning.variance[FRICTION] ** 0.5 == pytest.approx(1.0 - most, rel=0.05)
+
+
+def bounded_by(left: float, enabled: bool = True) -> Tuning:
+    """Tuned by a bit that is not told to be off bottom; of its torque so much is left at the first."""
+    tuning = fresh_tuning(Settings(), 1.0)
+    for _ in range(5):
+        for _ in range(500):
+            weigh_tare(tuning, ON, 0.0, 5e3, left - 5e3 * float(tuning.value[FRICTION]), 100.0**2, RATE)
+        correct_by_tare(tuning, enabled)
+        correct_by_bound(tuning, enabled)
+    return tuning
+
+
+def test_no_bit_drives_its_rock_so_friction_is_less_than_that() -> None:
+    """A wall told a quarter too rough, of a bit off bottom that nobody told of."""
+    tuning = bounded_by(-1e3)
+    assert tuning.value[FRICTION] == pytest.approx(-0.2, abs=0.01)
+    # It may be less rough yet, where the bit was on bottom: what is known of it has not become more.
+    assert tuning.variance[FRICTION] == tuning.prior[FRICTION]
+    assert tuning.value[INERTIA] == 0.0
+
+
+def test_what_a_bit_takes_may_be_the_rocks_and_bounds_nothing() -> None:
+    tuning = bounded_by(1e3)
+    assert (tuning.value == 0.0).all()
+    assert (tuning.variance == tuning.prior).all()
+
+
+def test_friction_that_may_not_be_corrected_is_the_more_doubted() -> None:
+    tuning = bounded_by(-1e3, enabled=False)
+    assert (tuning.value == 0.0).all()
+    assert tuning.variance[FRICTION] == pytest.approx(tuning.prior[FRICTION] + 0.2**2, rel=0.02)
 
 
 @given(
@@ -103,7 +135,7 @@ def test_what_stays_in_doubt_is_what_bayes_leaves(
     tuning = fresh_tuning(Settings(), 1.0)
     tuning.prior[TARED] = np.square(deviations)
     rows = np.array(does)
-    tuning.information[:] = rows.T @ rows / 1e6
+    tuning.information[OFF] = rows.T @ rows / 1e6
     correct_by_tare(tuning, True)
     prior = np.diag(tuning.prior[TARED])
     left = prior - prior @ rows.T @ np.linalg.solve(

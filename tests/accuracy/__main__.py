@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.accuracy import lumps, pictures, reference, sticks, tare, wells, words
+from tests.accuracy import drawn, lumps, pictures, reference, sticks, tare, wells, words
 from tests.accuracy.field import field
 from tests.cases import folder
 from vsensor.config import load
@@ -31,6 +31,7 @@ def page(images: Path) -> Iterator[str]:
     yield pictures.shown(pictures.at_work(sticking.right, sticking.surface, sticking.truth), images)
     yield from reference.limit(smooth)
     yield from wells.section()
+    yield from drawn.section()
     slow, turned = (speed * reference.RPM for _, speed in tare.TURNED.speed[1::2])
     yield words.WRONG.format(tare=tare.FOR_S, slow=slow, turned=turned)
     for case in cases:

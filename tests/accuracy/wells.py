@@ -51,10 +51,11 @@ def section() -> Iterator[str]:
     """The page's part about them."""
     yield words.WELLS
     for case in CASES.values():
-        yield f"| {case.words} | {' | '.join(cell for one in scores(case) for cell in _cells(one))} |"
+        yield f"| {case.words} | {' | '.join(cell for one in scores(case) for cell in cells(one))} |"
 
 
-def _cells(of: Score) -> tuple[str, ...]:
+def cells(of: Score) -> tuple[str, ...]:
+    """One answer's cells of a row."""
     torque = f"{of.torque / 1e3:{'.2f' if of.torque >= SMALL else '.2g'}}"
     return f"{of.share:.2%}", torque, f"{of.speed_within:.0%}", f"{of.torque_within:.0%}"
 

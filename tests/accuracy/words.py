@@ -69,6 +69,20 @@ one that turns evenly a narrow one, of which the same error is a larger share.
 | forecast share | torque error, kN·m | speed within 2σ | torque within 2σ |
 | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"""
 
+DRAWN = """
+### As wrong as it may be
+
+No rig is told exactly. Each well again, {draws} times, with delay, impedance, inertia and wall friction wrong
+all at once and by chance: normal, with the deviations that `[tuning]` states (1 %, 2 %, 5 %, 25 %), spread
+evenly over what is likely. Errors are rms over the draws, shares within two deviations their mean. Here a
+sensor is held to its word: it says what it may be wrong by, is told as wrongly, and about 95% should be
+within.
+
+| well | confirmed share | torque error, kN·m | speed within 2σ | torque within 2σ \
+| now share | torque error, kN·m | speed within 2σ | torque within 2σ \
+| forecast share | torque error, kN·m | speed within 2σ | torque within 2σ |
+| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"""
+
 WRONG = """
 ## With the configuration wrong
 

@@ -34,6 +34,12 @@ def wrong_friction(rig: Rig, factor: float = FRICTION) -> Rig:
     return _each_component(rig, "viscous_friction", "coulomb_friction", "static_friction", factor=factor)
 
 
+def wrong_string(rig: Rig, delay: float, impedance: float) -> Rig:
+    """Every component's delay and impedance times such factors: θ goes with √(ρ/G), ζ with √(ρG)."""
+    stiffer = _each_component(rig, "shear_modulus", factor=impedance / delay)
+    return _each_component(stiffer, "density", factor=impedance * delay)
+
+
 def wrong_law(rig: Rig, factor: float) -> Rig:
     """The first guess of the load law, viscous, kinetic and static, times `factor`."""
     names = ("viscous_friction", "kinetic_torque", "static_torque")

@@ -16,13 +16,13 @@ from vsensor.estimator.known import Known
 from vsensor.estimator.learn import lose_sight
 from vsensor.estimator.misfit import SETTLED_S, correct_by_misfit
 from vsensor.estimator.model import model_of, timed, with_length
-from vsensor.estimator.observe import shift_torque
+from vsensor.estimator.refit import refit_torque, refit_wall
 from vsensor.estimator.responses import TOLD_BIT_SPEED, TOLD_TOP_SPEED
 from vsensor.estimator.ring import mask_of
 from vsensor.estimator.sections import Floats, cut, junction_depths, steps_per_tick
 from vsensor.estimator.sound import refuse_unsound
 from vsensor.estimator.state import NONE, Model, State, fresh, heard
-from vsensor.estimator.tare import correct_by_tare
+from vsensor.estimator.tare import correct_by_bound, correct_by_tare
 from vsensor.estimator.tune import EVERY_S, INERTIA, OFFSET, tuned
 
 LENGTH = "length"
@@ -264,10 +264,13 @@ class Estimator(Known):
         tuning, enabled = self._state.tuning, self._rig.tuning.enabled
         offset = float(tuning.value[OFFSET])
         heard = correct_by_misfit(tuning, self._model.off, enabled and self._settled())
-        if correct_by_tare(tuning, enabled) or heard:
-            shift_torque(self._model, self._state, float(tuning.value[OFFSET]) - offset)
+        tared = correct_by_tare(tuning, enabled)
+        if correct_by_bound(tuning, enabled) or tared or heard:
+            before = self._model.line
             # What is in the lines stays there: they are read at other delays from now on.
             self._run_by(self._corrected())
+            refit_torque(self._model, self._state, float(tuning.value[OFFSET]) - offset)
+            refit_wall(self._model, self._state, before)
             self._state.course[:] = NONE
 
     def _settled(self) -> bool:

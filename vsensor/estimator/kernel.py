@@ -23,6 +23,7 @@ from vsensor.estimator.slips import held_by_slips
 from vsensor.estimator.state import NONE, Model, State
 from vsensor.estimator.study import (
     await_rock,
+    bound_wall,
     confirmed_step,
     foretold_for,
     study_law,
@@ -146,10 +147,12 @@ def _take(model: Model, state: State, torque: float, speed: float, reasons: int,
         lose_sight(state.learned)
     elif state.off_bottom[0] > 0:
         study_wall(model, state)
-    elif meets_rock(state.learned):
-        study_law(model, state)
     else:
-        await_rock(model, state)
+        bound_wall(model, state)
+        if meets_rock(state.learned):
+            study_law(model, state)
+        else:
+            await_rock(model, state)
     if not doubts:
         weigh_rock(model, state)
         study_string(model, state)

@@ -29,7 +29,6 @@ from vsensor.estimator.responses import (
 )
 from vsensor.estimator.ring import mask_of, room_of
 from vsensor.estimator.rise import rise
-from vsensor.estimator.score import VALUE
 from vsensor.estimator.sections import Floats, Integers, Line
 from vsensor.estimator.slips import REST_SPEED
 from vsensor.estimator.state import BIT, SPEED, TOP, TORQUE, Model, State, Strand, line_of, strand
@@ -166,18 +165,6 @@ def _send_down(line: Line, string: Strand, step: int, g: float, speed: float) ->
     string.waves[0, now] = g + 2 * z * speed
     string.told[TOLD_TOP_SPEED, now] = speed
     string.told[TOLD_TOP_TORQUE, now] = g + z * speed + rubbing(line, 0, speed)
-
-
-def shift_torque(model: Model, state: State, by: float) -> None:
-    """Take an offset (N·m at the string) off all torques of before, as off those that are to come.
-
-    A torque that is the same all along the string goes with any motion of it, so that nothing is stirred.
-    """
-    for torques in (state.waves, state.returned, state.rock):
-        torques -= by
-    state.inputs[TORQUE] -= by / model.passed
-    state.told[:, [TOLD_BIT_TORQUE, TOLD_TOP_TORQUE]] -= by
-    state.scores.foretold[:, TOLD_BIT_TORQUE, VALUE] -= by
 
 
 @inlined

@@ -3,13 +3,13 @@
 from vsensor.estimator.doubt import doubt_by_noise
 from vsensor.estimator.learn import learn, lose_sight
 from vsensor.estimator.misfit import MEMORY_S
-from vsensor.estimator.responses import TOLD_BIT_SPEED, TOLD_BIT_TORQUE, TOLD_TOP_SPEED
+from vsensor.estimator.responses import ROCK_MEMORY_S, TOLD_BIT_SPEED, TOLD_BIT_TORQUE, TOLD_TOP_SPEED
 from vsensor.estimator.ring import mask_of
 from vsensor.estimator.score import EXPECTED, NOW, VALUE
 from vsensor.estimator.setdown import look_for_rock, wait_for_weight
 from vsensor.estimator.state import Model, State
-from vsensor.estimator.tare import acceleration, weigh_tare
-from vsensor.estimator.tune import wall_torque
+from vsensor.estimator.tare import APART_S, acceleration, weigh_tare
+from vsensor.estimator.tune import OFF, ON, wall_torque
 from vsensor.jit import compiled, inlined
 
 TRUSTED = 6.25
@@ -17,9 +17,9 @@ TRUSTED = 6.25
 LEAST_SURPRISE = 0.05
 """Innovations so much smaller than expected are none: the string stands still."""
 TURNING = 0.5
-"""Off bottom, a tare is taken while the string turns faster than this, rad/s,"""
-STEADY = 0.2
-"""and its bit as fast as its top but for this share,"""
+"""What the wall takes is told while the string turns faster than this, rad/s,"""
+STEADY = (0.2, 0.5)
+"""and its bit as fast as its top but for such a share, where a tare is taken or friction bounded,"""
 STEADY_S = 5.0
 """for so long: all of the wall rubs then, and the string turns as one."""
 
@@ -95,19 +95,31 @@ def study_string(model: Model, state: State) -> None:
 def study_wall(model: Model, state: State) -> None:
     """Take a tare of a bit that has long been off bottom: so long as a confirmation takes."""
     lose_sight(state.learned)
-    if (state.off_bottom[0] - model.lag) * model.steps < model.now:
-        return
+    if (state.off_bottom[0] - model.lag) * model.steps >= model.now:
+        _weigh_wall(model, state, OFF, 0.0)
+
+
+@inlined
+def bound_wall(model: Model, state: State) -> None:
+    """Take the same of one that is not told to be: rock's own torque is what it is uncertain by."""
+    _weigh_wall(model, state, ON, 2.0 * ROCK_MEMORY_S / APART_S * state.rock_square[0])
+
+
+@inlined
+def _weigh_wall(model: Model, state: State, which: int, rock: float) -> None:
     step = confirmed_step(model, state)
     mask = mask_of(state.told.shape[2])
     speed, torque = state.told[0, TOLD_BIT_SPEED, step & mask], state.told[0, TOLD_BIT_TORQUE, step & mask]
     travel = model.now - model.behind * model.steps
     top = state.told[0, TOLD_TOP_SPEED, (step - travel) & mask]
-    steady = abs(top) > TURNING and abs(speed - top) < STEADY * abs(top)
-    state.tuning.steady[0] = state.tuning.steady[0] + 1 if steady else 0
-    if state.tuning.steady[0] > STEADY_S * model.rate:
-        doubt = doubt_by_noise(model, state, TOLD_BIT_TORQUE)
+    steady = abs(top) > TURNING and abs(speed - top) < STEADY[which] * abs(top)
+    ticks = state.tuning.steady
+    ticks[which] = ticks[which] + 1 if steady else 0
+    ticks[1 - which] = 0
+    if ticks[which] > STEADY_S * model.rate:
+        doubt = doubt_by_noise(model, state, TOLD_BIT_TORQUE) + rock
         step_s = 1.0 / (model.rate * model.steps)
         inertia = 0.5 * model.drive_rates[0] * step_s
         inertial = inertia * acceleration(state.told[0, TOLD_TOP_SPEED], step, travel, step_s)
         wall = wall_torque(model.line, speed)
-        weigh_tare(state.tuning, inertial, wall, torque, doubt, model.rate)
+        weigh_tare(state.tuning, which, inertial, wall, torque, doubt, model.rate)

@@ -7,7 +7,19 @@ torque, an offset with nothing (linear regression with normal priors, Box and Ti
 
 from vsensor.estimator.ring import mask_of
 from vsensor.estimator.sections import Floats
-from vsensor.estimator.tune import FRICTION, INERTIA, OFFSET, SURELY, TARED, Tuning, bounded, posterior
+from vsensor.estimator.tune import (
+    FRICTION,
+    INERTIA,
+    OFF,
+    OFFSET,
+    ON,
+    SURELY,
+    TARED,
+    Matrix,
+    Tuning,
+    bounded,
+    posterior,
+)
 from vsensor.jit import compiled
 
 MEMORY_S = 30.0
@@ -16,6 +28,7 @@ APART_S = 1.0
 """Bit torques so far apart tell independently of each other."""
 RAMP_S = 0.25
 """A shorter string's acceleration is taken over so long to either side."""
+_FRICTION, _OFFSET = FRICTION - INERTIA, OFFSET - INERTIA
 
 
 def correct_by_tare(tuning: Tuning, enabled: bool) -> bool:
@@ -23,28 +36,55 @@ def correct_by_tare(tuning: Tuning, enabled: bool) -> bool:
 
     All together: what is left of the torque may be surely theirs, and no single one's surely.
     """
-    pulls = tuning.pulls.tolist()
-    covariance = posterior(tuning.prior[TARED].tolist(), tuning.information.tolist())
-    dues = [sum(c * pull for c, pull in zip(row, pulls, strict=True)) for row in covariance]
-    surely = sum(due * pull for due, pull in zip(dues, pulls, strict=True)) > SURELY**2
+    covariance, dues, surely = _due(tuning, OFF)
     taken = [0.0] * len(dues)
     if enabled and surely:
-        taken = [bounded(tuning, INERTIA + i, due) for i, due in enumerate(dues)]
-        tuning.value[TARED] += taken
-        # Torques of before the correction are still on their way.
-        tuning.pulls[:] = 0.0
-        tuning.steady[0] = 0
+        taken = _take(tuning, dues)
     left = [due - part for due, part in zip(dues, taken, strict=True)]
     for i in range(len(left)):
         tuning.variance[INERTIA + i] = covariance[i][i] + left[i] * left[i]
-    friction, offset = FRICTION - INERTIA, OFFSET - INERTIA
-    tuning.shared[0] = covariance[friction][offset] + left[friction] * left[offset]
+    tuning.shared[0] = covariance[_FRICTION][_OFFSET] + left[_FRICTION] * left[_OFFSET]
     return any(taken)
+
+
+def correct_by_bound(tuning: Tuning, enabled: bool) -> bool:
+    """Take back what friction surely is too much by, where a bit seems to drive its rock; whether any was.
+
+    No bit does: at the most it meets nothing. An inertia the rock may be taken for, so that is left alone.
+    """
+    _, (_, friction, offset), surely = _due(tuning, ON)
+    if not surely or tuning.pulls[ON, _FRICTION] >= 0.0:
+        return False
+    if enabled:
+        return any(_take(tuning, [0.0, friction, offset]))
+    tuning.variance[FRICTION] += friction * friction
+    tuning.variance[OFFSET] += offset * offset
+    tuning.shared[0] += friction * offset
+    return False
+
+
+def _due(tuning: Tuning, which: int) -> tuple[Matrix, list[float], bool]:
+    """Covariance, corrections that are due, and whether they surely are."""
+    pulls = tuning.pulls[which].tolist()
+    covariance = posterior(tuning.prior[TARED].tolist(), tuning.information[which].tolist())
+    dues = [sum(c * pull for c, pull in zip(row, pulls, strict=True)) for row in covariance]
+    surely = sum(due * pull for due, pull in zip(dues, pulls, strict=True)) > SURELY**2
+    return covariance, dues, surely
+
+
+def _take(tuning: Tuning, dues: list[float]) -> list[float]:
+    """As much of the corrections as leaves all within their bounds."""
+    taken = [bounded(tuning, INERTIA + i, due) for i, due in enumerate(dues)]
+    tuning.value[TARED] += taken
+    # Torques of before the correction are still on their way.
+    tuning.pulls[:] = 0.0
+    tuning.steady[:] = 0
+    return taken
 
 
 @compiled
 def weigh_tare(
-    tuning: Tuning, inertial: float, wall: float, torque: float, doubt: float, rate: float
+    tuning: Tuning, which: int, inertial: float, wall: float, torque: float, doubt: float, rate: float
 ) -> None:
     """Learn from a bit torque that is truly zero, told with the variance `doubt`.
 
@@ -55,8 +95,9 @@ def weigh_tare(
     does = (inertial, wall, 1.0)
     for i in range(3):
         for j in range(3):
-            tuning.information[i, j] = keep * tuning.information[i, j] + weight * does[i] * does[j]
-        tuning.pulls[i] = keep * tuning.pulls[i] + weight * does[i] * torque
+            told = tuning.information[which, i, j]
+            tuning.information[which, i, j] = keep * told + weight * does[i] * does[j]
+        tuning.pulls[which, i] = keep * tuning.pulls[which, i] + weight * does[i] * torque
 
 
 @compiled

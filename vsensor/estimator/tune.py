@@ -26,6 +26,8 @@ SHADOWED = 3
 """Delay, impedance and inertia have shadows, a pair each: more of it, and less."""
 LATER, SOONER = 1 + 2 * SHADOWED, 2 + 2 * SHADOWED
 """Two more have a bit that breaks loose later, or sooner (rise.py)."""
+OFF, ON = range(2)
+"""The wall is told of by a bit that is told to be off bottom, and bounded by one that is not (tare.py)."""
 STRINGS = 3 + 2 * SHADOWED
 """The model string, and then its shadows, in that order."""
 BOUND = 3.0
@@ -56,12 +58,12 @@ class Tuning(NamedTuple):
     crossed: Floats
     """and of what the first pair differs by times what the second does, shape (1,)."""
     information: Floats
-    """What tares told of inertia, friction and offset: weighted sums of the products of what each does to the
-    torque off bottom, shape (3, 3),"""
+    """What a bit OFF and ON bottom told of inertia, friction and offset: weighted sums of products of what
+    each does to the torque, shape (2, 3, 3),"""
     pulls: Floats
-    """and of that times the torque left over, shape (3,)."""
+    """and of that times the torque left over, shape (2, 3)."""
     steady: Integers
-    """Ticks for which the string has turned as one off bottom, shape (1,)."""
+    """Ticks for which the string has turned as one, shape (2,)."""
 
 
 def shadows(p: int) -> slice:
@@ -80,9 +82,9 @@ def fresh_tuning(settings: Settings, passed: float) -> Tuning:
         shared=np.zeros(1),
         misfit=np.zeros(5),
         crossed=np.zeros(1),
-        information=np.zeros((3, 3)),
-        pulls=np.zeros(3),
-        steady=np.zeros(1, np.int64),
+        information=np.zeros((2, 3, 3)),
+        pulls=np.zeros((2, 3)),
+        steady=np.zeros(2, np.int64),
     )
 
 

@@ -1,0 +1,71 @@
+"""Wall friction that is told too high: no bit drives its rock, so it is taken back."""
+
+import numpy as np
+import pytest
+
+from tests.accuracy.score import rms
+from tests.accuracy.wells import told, truth
+from tests.accuracy.wrong import wrong_friction
+from tests.cases import Columns
+from tests.leapfrog import Record
+from tests.wells import CASES, surface
+from vsensor.config import Rig
+from vsensor.estimator.estimator import Estimator
+from vsensor.estimator.tune import FRICTION
+from vsensor.jit import COMPILED
+
+pytestmark = pytest.mark.skipif(not COMPILED, reason="minutes of a rig: too slow without the compiler")
+
+ROUGH = 1.3
+"""So many times the wall's friction is what is told."""
+
+
+@pytest.fixture(scope="module")
+def record() -> Record:
+    """A lateral off bottom, turned up from rest; nobody tells that it is."""
+    return CASES["lateral"].record()
+
+
+def friction_of(rig: Rig, record: Record) -> float:
+    """What is corrected of it in the end."""
+    sensor, read = Estimator(rig), surface(record)
+    sensor.run(read.motor_torque_nm, read.motor_speed_rad_s)
+    return float(sensor.tuning[FRICTION])
+
+
+def missed(estimates: Columns, kind: str, record: Record, since: float, until: float) -> float:
+    """Rms error of bit speed over a time, rad/s."""
+    when = estimates["time_s" if kind == "now" else f"{kind}_time_s"]
+    use = (when >= since) & (when < until)
+    true = truth(record)
+    at = np.interp(when[use], true["time_s"], true["bit_speed_rad_s"])
+    return rms(estimates[f"{kind}_speed_rad_s"][use] - at)
+
+
+def test_friction_is_found_of_a_bit_off_bottom_that_nobody_told_of(record: Record) -> None:
+    assert friction_of(wrong_friction(CASES["lateral"].rig, ROUGH), record) == pytest.approx(
+        1 / ROUGH - 1, abs=0.01
+    )
+
+
+def test_a_friction_that_is_right_or_too_low_stays_as_told(record: Record) -> None:
+    for factor in (1.0, 1 / ROUGH):
+        assert friction_of(wrong_friction(CASES["lateral"].rig, factor), record) == 0.0
+
+
+def test_on_bottom_what_the_rock_takes_is_not_laid_to_the_wall() -> None:
+    """Smooth drilling, and stick-slip: however rough the wall is told, the bit takes the most."""
+    for name in ("smooth", "rubbed"):
+        case = CASES[name]
+        assert friction_of(wrong_friction(case.rig, ROUGH), case.record()) == 0.0
+
+
+def test_the_bit_is_foretold_by_a_friction_that_was_found_and_the_correction_stirs_nothing(
+    record: Record,
+) -> None:
+    """Before, the string is held to stop: *now* is 5 rad/s wrong."""
+    rig = wrong_friction(CASES["lateral"].rig, ROUGH)
+    estimates = told(rig, record)
+    assert missed(estimates, "confirmed", record, 10, 90) < 0.2
+    assert missed(estimates, "now", record, 10, 20) > 2.0
+    assert missed(estimates, "now", record, 40, 90) < 0.3
