@@ -43,9 +43,9 @@ def missed(estimates: Columns, kind: str, record: Record, since: float, until: f
 
 
 def test_friction_is_found_of_a_bit_off_bottom_that_nobody_told_of(record: Record) -> None:
-    assert friction_of(wrong_friction(CASES["lateral"].rig, ROUGH), record) == pytest.approx(
-        1 / ROUGH - 1, abs=0.01
-    )
+    for factor in (ROUGH, 1.5):
+        found = friction_of(wrong_friction(CASES["lateral"].rig, factor), record)
+        assert found == pytest.approx(1 / factor - 1, abs=0.006)
 
 
 def test_a_friction_that_is_right_or_too_low_stays_as_told(record: Record) -> None:

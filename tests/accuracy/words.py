@@ -98,7 +98,8 @@ is by default: it begins after a minute. Right would be −1.5% of the delay for
 impedance for a wall of +5 % (−3.7% of the pipe's, less of the collars'), −9.1% of the inertia for +10 %,
 +43% of the friction for −30 %, and nothing where nothing is wrong. Delay and impedance stick-slip tells.
 Inertia and friction it corrects only off bottom, and only where it is told so: on bottom, borehole and bit
-take of the torque together, and nothing measured above parts them. So the last rows of each table begin with
+take of the torque together, and nothing measured above parts them (but friction told so high that the bit
+would drive its rock is taken back anywhere). So the last rows of each table begin with
 *a tare*, as each connection gives it: for {tare:.0f} s the true string was turned off bottom by the simulated
 rig, at {slow:.0f} and then at {turned:.0f} rpm, and the record goes on with what the wrongly configured
 sensor had learned of it."""

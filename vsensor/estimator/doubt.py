@@ -50,7 +50,8 @@ def _by_wall(model: Model, state: State, step: int) -> float:
     unsure = state.tuning.variance
     # The wall's own speed is the top's at least on average: it rubs where the bit rests.
     top = step - (model.now - model.behind * model.steps)
-    wall = wall_torque(model.line, state.told[0, TOLD_TOP_SPEED, top & mask_of(state.told.shape[2])])
+    speed = state.told[0, TOLD_TOP_SPEED, top & mask_of(state.told.shape[2])]
+    wall = wall_torque(model.line, state.tuning, speed)
     by_parameters = (unsure[FRICTION] * wall + 2.0 * state.tuning.shared[0]) * wall + unsure[OFFSET]
     # Parts of the wall that rest hold anything up to their static friction: all of it is equally likely.
     held = state.held[(state.ticks[0] - model.lag) % state.held.shape[0]]

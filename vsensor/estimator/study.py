@@ -9,7 +9,7 @@ from vsensor.estimator.score import EXPECTED, NOW, VALUE
 from vsensor.estimator.setdown import look_for_rock, wait_for_weight
 from vsensor.estimator.state import Model, State
 from vsensor.estimator.tare import APART_S, acceleration, weigh_tare
-from vsensor.estimator.tune import OFF, ON, wall_torque
+from vsensor.estimator.tune import INERTIA, OFF, ON, wall_torque
 from vsensor.jit import compiled, inlined
 
 TRUSTED = 6.25
@@ -119,7 +119,7 @@ def _weigh_wall(model: Model, state: State, which: int, rock: float) -> None:
     if ticks[which] > STEADY_S * model.rate:
         doubt = doubt_by_noise(model, state, TOLD_BIT_TORQUE) + rock
         step_s = 1.0 / (model.rate * model.steps)
-        inertia = 0.5 * model.drive_rates[0] * step_s
+        inertia = 0.5 * model.drive_rates[0] * step_s / (1.0 + state.tuning.value[INERTIA])
         inertial = inertia * acceleration(state.told[0, TOLD_TOP_SPEED], step, travel, step_s)
-        wall = wall_torque(model.line, speed)
+        wall = wall_torque(model.line, state.tuning, speed)
         weigh_tare(state.tuning, which, inertial, wall, torque, doubt, model.rate)

@@ -88,7 +88,7 @@ def weigh_tare(
 ) -> None:
     """Learn from a bit torque that is truly zero, told with the variance `doubt`.
 
-    The top drive's acceleration takes the torque `inertial`, friction the torque `wall`, N·m.
+    As configured the top drive's acceleration takes the torque `inertial`, friction the torque `wall`, N·m.
     """
     weight = 1.0 / (APART_S * rate * doubt)
     keep = 1.0 - 1.0 / (MEMORY_S * rate)

@@ -123,7 +123,11 @@ def tuned(line: Line, value: Floats) -> Line:
 
 
 @compiled
-def wall_torque(line: Line, speed: float) -> float:
-    """Friction along the whole string, N·m, while all of it turns at `speed`."""
+def wall_torque(line: Line, tuning: Tuning, speed: float) -> float:
+    """Friction along the whole string, N·m, while all of it turns at `speed`: as configured, of which
+
+    a correction is a share, not as the corrected `line` has it.
+    """
     sign = 1.0 if speed > 0 else -1.0 if speed < 0 else 0.0
-    return float(line.viscous.sum() * speed + line.kinetic.sum() * sign)
+    corrected = line.viscous.sum() * speed + line.kinetic.sum() * sign
+    return float(corrected / (1.0 + tuning.value[FRICTION]))
