@@ -1,5 +1,9 @@
-"""A player's surroundings: a clock that never waits, who listens, who is at the keys, and a session."""
+"""A player's surroundings: a clock that never waits, listener, keys and terminal, and a session."""
 
+import os
+import pty
+import re
+import threading
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, cast
@@ -90,3 +94,33 @@ def played(session: Session, script: dict[int, Command], clock: FakeClock, **giv
     listener = Listener(clock)
     play(Course([session]), listener.put, clock=clock, command=after(clock, script), **given)
     return listener
+
+
+class Terminal:
+    """A terminal of a player's own: what is typed there, and the line that it shows last."""
+
+    def __init__(self) -> None:
+        self._ours, self.theirs = pty.openpty()
+        self._shown = ""
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def type(self, keys: bytes) -> None:
+        os.write(self._ours, keys)
+
+    def line(self) -> str:
+        """The last that is not empty, without what moves the cursor and colours."""
+        lines = re.split(r"[\r\n]+", re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", self._shown))
+        return next((line.strip() for line in reversed(lines) if line.strip()), "")
+
+    def close(self) -> None:
+        os.close(self.theirs)
+
+    def _read(self) -> None:
+        # The last end that the player's side is closed by ends it.
+        while True:
+            try:
+                some = os.read(self._ours, 1 << 16)
+            except OSError:
+                break
+            self._shown = (self._shown + some.decode(errors="replace"))[-(1 << 16) :]
+        os.close(self._ours)

@@ -1,7 +1,7 @@
 """`vsensor replay` on a real bus: every sample arrives, and the keyboard is obeyed."""
 
 import os
-import pty
+import re
 import signal
 import socket
 import subprocess
@@ -15,6 +15,7 @@ import pytest
 import zenoh
 from typer.testing import CliRunner
 
+from tests.players import Terminal
 from vsensor.bus import Questions, SurfaceInbox, open_session
 from vsensor.cli.main import app
 from vsensor.config import Bus
@@ -236,38 +237,46 @@ def test_ctrl_c_ends_an_endless_loop_with_its_account(rig: Rig, recorded: Path) 
     assert sequences == list(range(len(sequences)))
 
 
-def test_the_keyboard_pauses_steps_and_ends_and_the_terminal_is_restored(rig: Rig, recorded: Path) -> None:
-    keys, terminal = pty.openpty()
-    before = termios.tcgetattr(terminal)
+def test_at_a_terminal_the_line_tells_where_it_is_and_the_keys_are_obeyed(rig: Rig, recorded: Path) -> None:
+    terminal = Terminal()
+    before = termios.tcgetattr(terminal.theirs)
     player = subprocess.Popen(
         [sys.executable, "-c", ON_A_TERMINAL, "replay", recorded, "--connect", rig.endpoint],
-        stdin=terminal,
+        stdin=terminal.theirs,
         stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
+        stderr=terminal.theirs,
+        env=os.environ | {"TERM": "xterm", "COLUMNS": "160"},
         text=True,
         start_new_session=True,
     )
     with player:
         rig.until(lambda: rig.hear() > 20)
-        os.write(keys, b" ")
+        terminal.type(b" ")
         rig.until_silent()
         heard = rig.hear()
-        os.write(keys, b"...")
+        rig.until(lambda: pausing(terminal, heard))
+        terminal.type(b"...")
         rig.until(lambda: rig.hear() == heard + 3)
         rig.until_silent()
         assert rig.hear() == heard + 3
-        os.write(keys, b"\x1b[C")  # an arrow
+        rig.until(lambda: pausing(terminal, heard + 3))
+        terminal.type(b"\x1b[C")  # an arrow
         rig.until_silent()
-        os.write(keys, b".")
+        terminal.type(b".")
         rig.until(lambda: rig.hear() == heard + 4)
         assert rig.samples[-1][1].time_ns - rig.samples[-2][1].time_ns >= 10 * NS - 20_000_000
-        os.write(keys, b" ")
-        rig.until(lambda: rig.hear() > heard + 20)
-        os.write(keys, b"q")
+        terminal.type(b" ")
+        rig.until(lambda: rig.hear() > heard + 20 and terminal.line().startswith("▶ 0:1"))
+        terminal.type(b"q")
         said, _ = player.communicate(timeout=30)
 
     assert player.returncode == 0
     assert f"{rig.hear()} samples" in said
-    assert termios.tcgetattr(terminal) == before
-    os.close(terminal)
-    os.close(keys)
+    assert termios.tcgetattr(terminal.theirs) == before
+    terminal.close()
+
+
+def pausing(terminal: Terminal, samples: int) -> bool:
+    """Whether its line says that so many were published of a session of 30 s, and then no more."""
+    what = rf"⏸ 0:00\.\d \S+ 0:30\.0  ×1  {samples} on {PREFIX}  \(space pauses, .* q ends\)"
+    return re.fullmatch(what, terminal.line()) is not None
