@@ -13,7 +13,16 @@ from typer.testing import CliRunner
 from tests.reported import NS
 from vsensor.cli.main import app
 from vsensor.errors import InputError
-from vsensor.messages import BIT_ESTIMATE, SENSOR_EVENT, SURFACE_SPEED, Estimate, Event, Sample
+from vsensor.messages import (
+    BIT_ESTIMATE,
+    SENSOR_EVENT,
+    SENSOR_STATUS,
+    SURFACE_SPEED,
+    Estimate,
+    Event,
+    Sample,
+    Status,
+)
 from vsensor.messages.vsensor_pb2 import GOOD
 from vsensor.recording.reader import Session
 from vsensor.recording.writer import SessionWriter
@@ -71,6 +80,62 @@ def test_estimates_alone_are_enough(tmp_path: Path) -> None:
     assert "<h1>Smooth: the bit turned with the top, at 86 rpm" in html
     assert "not counted" in html
     assert "The session holds no profiles of the string." in html
+
+
+def bit_at(speeds: "list[float] | np.ndarray") -> list[tuple[str, bytes]]:
+    """Estimates of a bit that is confirmed to turn so, ten a second, under a top at 86 rpm."""
+    return [
+        (
+            BIT_ESTIMATE,
+            Estimate(
+                number=k,
+                time_ns=k * NS // 10,
+                confirmed_bit_speed_rad_s=speed,
+                top_speed_rad_s=9.0,
+                quality=GOOD,
+            ).SerializeToString(),
+        )
+        for k, speed in enumerate(speeds)
+    ]
+
+
+def test_a_bit_that_only_stood_has_not_slipped(tmp_path: Path) -> None:
+    html = report(written(tmp_path / "a.mcap", bit_at([-1e-4] * 30)))
+    assert "<h1>The bit stood still in all that is known of it, 2.9 s on end; the top turned" in html
+    assert "-0 rpm" not in html
+
+
+def test_half_a_swing_is_not_called_smooth(tmp_path: Path) -> None:
+    html = report(written(tmp_path / "a.mcap", bit_at(np.linspace(16.0, 26.0, 20))))
+    assert "<h1>Bit and top did not turn alike: the bit ran between 153 and 248 rpm; the top" in html
+
+
+def status(second: int, uptime_s: float, lost: int, foretold: int) -> tuple[str, bytes]:
+    """What a daemon tells that has received a hundred samples a second."""
+    told = Status(time_ns=second * NS, uptime_s=uptime_s, slots_skipped=lost, restarts=1)
+    told.sticks_foretold, told.sticks_missed, told.stick_lead_s = foretold, 1, 0.5
+    told.channels.add(channel="surface/torque", received=round(100 * uptime_s), lost=lost, doubled=2)
+    return SENSOR_STATUS, told.SerializeToString()
+
+
+def keys_of(html: str) -> dict[str, tuple[str, str]]:
+    found = re.findall(r"<span>([^<]*)</span><b>([^<]*)</b><span>([^<]*)</span>", html)
+    return {name: (value, beside) for name, value, beside in found}
+
+
+@pytest.mark.parametrize(
+    ("began_s", "samples", "sticks", "skipped"),
+    [(3600.0, "of 307", "4 of 4", 7), (0.0, "of 308", "9 of 10", 8)],
+)
+def test_a_part_tells_what_was_lost_in_it_not_since_the_sensor_began(
+    tmp_path: Path, began_s: float, samples: str, sticks: str, skipped: int
+) -> None:
+    first, last = status(1, began_s, 1, 5), status(4, began_s + 3, 8, 9)
+    html = report(written(tmp_path / "a.mcap", [*bit_at([9.0] * 40), first, last]))
+    assert keys_of(html)["samples lost"] == (f"{skipped}", f"{samples}; unknown messages not recorded")
+    assert keys_of(html)["sticks foretold"] == (sticks, "0 in vain; 0.5 s ahead on average")
+    assert f"<td>slots skipped by the loop</td><td>{skipped}</td>" in html
+    assert ("doubled" in html.split("Losses")[1].split("lateness")[0]) == (began_s == 0)
 
 
 def test_estimates_that_never_got_warm_are_told_so(tmp_path: Path) -> None:

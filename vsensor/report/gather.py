@@ -18,6 +18,7 @@ from vsensor.quality import Quality
 from vsensor.recording.columns import Columns, read_columns
 from vsensor.recording.reader import Session
 from vsensor.report.along import PROFILE, Along, worst
+from vsensor.report.counts import counted
 from vsensor.report.figures import Extent, Stands
 from vsensor.report.foretold import Counted, Foretold
 from vsensor.report.seconds import Seconds
@@ -50,8 +51,10 @@ class Story:
     counted: Counted = field(default_factory=Counted)
     lateness_s: Extent = field(default_factory=Extent)
     """How late the loop woke for each tick."""
+    opening: Status | None = None
+    """The first status,"""
     status: Status | None = None
-    """The last one."""
+    """and the last one."""
     events: list[Event] = field(default_factory=list)
     """The first ones,"""
     more_events: int = 0
@@ -76,10 +79,17 @@ class Story:
         came = worst(profiles)
         self.along = came if self.along is None else self.along.take(came)
 
+    def counts(self, begun_ns: int) -> Status | None:
+        """What the sensor counted in a session begun at that log time, and its last status else."""
+        if self.opening is None or self.status is None:
+            return None
+        return counted(self.opening, self.status, begun_ns)
+
     def add_messages(self, messages: Sequence[Message]) -> None:
         """Add statuses and events."""
         for message in messages:
             if isinstance(message, Status):
+                self.opening = self.opening or message
                 self.status = message
                 self.counted.add(message)
             elif isinstance(message, Event) and len(self.events) < MOST_EVENTS:

@@ -8,7 +8,7 @@ import numpy as np
 from vsensor.messages.books import LOSSES
 from vsensor.recording.summary import Summary
 from vsensor.report.along import Along
-from vsensor.report.figures import Sticking
+from vsensor.report.figures import TURNING, Sticking
 from vsensor.report.gather import Story
 from vsensor.report.plots import KNM, RPM
 from vsensor.report.seconds import Severity
@@ -19,6 +19,8 @@ _STICKS = 0.01
 """From this share of the time on it is stick-slip;"""
 _SWINGS = 0.3
 """from this severity on the bit swings."""
+_ALIKE = 0.1
+"""Bit and top turn alike on average, but for such a share: over less than a swing they do not."""
 
 
 class Key(NamedTuple):
@@ -35,21 +37,22 @@ def headline(story: Story, severity: Severity, sticks: Sticking) -> str:
     bit, mean = story.extents[BIT], story.extents[TOP].mean * RPM
     if np.isnan(bit.least):
         return "The sensor never got warm: nothing is known of the bit."
-    least, greatest = bit.least * RPM, bit.greatest * RPM
-    worst = _most(severity.value)
+    ran = f"the bit ran between {_rpm(bit.least)} and {_rpm(bit.greatest)} rpm"
+    turned = f"the top turned at {mean:.0f} rpm on average"
+    fastest, worst = max(-bit.least, bit.greatest), _most(severity.value)
+    if sticks.share >= _STICKS and fastest < TURNING:
+        return f"The bit stood still in all that is known of it, {sticks.longest_s:.1f} s on end; {turned}."
     if sticks.share >= _STICKS:
         return (
             f"Stick-slip: the bit stood still {sticks.share:.0%} of the time, {_times(sticks.times)}, up to "
-            f"{sticks.longest_s:.1f} s on end, and ran up to {max(-least, greatest):.0f} rpm in between; "
-            f"the top turned at {mean:.0f} rpm on average."
+            f"{sticks.longest_s:.1f} s on end, and ran up to {_rpm(fastest)} rpm in between; {turned}."
         )
     if worst >= _SWINGS:
-        return (
-            f"Torsional swings: the bit ran between {least:.0f} and {greatest:.0f} rpm; "
-            f"the top turned at {mean:.0f} rpm on average, severity was {worst:.2f} at its worst."
-        )
+        return f"Torsional swings: {ran}; {turned}, severity was {worst:.2f} at its worst."
     if abs(mean) < 1:
         return "The string hardly turned."
+    if abs(bit.mean - story.extents[TOP].mean) > _ALIKE * abs(story.extents[TOP].mean):
+        return f"Bit and top did not turn alike: {ran}; {turned}."
     calm = (
         f"severity stayed below {worst + 0.01:.2f}" if np.isfinite(worst) else "too short to tell how rough"
     )
@@ -77,7 +80,7 @@ def keys(story: Story, summary: Summary, severity: Severity, sticks: Sticking) -
         Key("top speed", _told(top.mean * RPM, "rpm"), "mean"),
         Key(
             "bit speed",
-            "–" if np.isnan(bit.least) else f"{bit.least * RPM:.0f} … {bit.greatest * RPM:.0f} rpm",
+            "–" if np.isnan(bit.least) else f"{_rpm(bit.least)} … {_rpm(bit.greatest)} rpm",
             "least and greatest",
         ),
         Key(
@@ -108,7 +111,7 @@ def keys(story: Story, summary: Summary, severity: Severity, sticks: Sticking) -
             "least, anywhere in the string",
             margin < 0,
         ),
-        _foretold(story),
+        _foretold(story, summary),
         Key("estimates good", f"{story.good / story.ticks:.0%}", "of the ticks"),
         _lost(story, summary),
     ]
@@ -132,7 +135,7 @@ def lasted(seconds: float) -> str:
 
 def losses(story: Story, summary: Summary) -> list[tuple[str, int | None]]:
     """Every count of something lost; None where nobody counted."""
-    status = story.status
+    status = story.counts(summary.first_ns)
     rows: list[tuple[str, int | None]] = [
         (f"{channel.channel}: {name.replace('_', ' ')}", getattr(channel, name))
         for channel in (status.channels if status else ())
@@ -148,8 +151,8 @@ def losses(story: Story, summary: Summary) -> list[tuple[str, int | None]]:
     return rows
 
 
-def _foretold(story: Story) -> Key:
-    status = story.status
+def _foretold(story: Story, summary: Summary) -> Key:
+    status = story.counts(summary.first_ns)
     if status is None or not status.HasField("sticks_foretold"):
         return Key("sticks foretold", "–", "none was counted")
     hit, missed = status.sticks_foretold, status.sticks_missed
@@ -160,13 +163,17 @@ def _foretold(story: Story) -> Key:
 
 
 def _lost(story: Story, summary: Summary) -> Key:
-    status = story.status
+    status = story.counts(summary.first_ns)
     if status is None:
         return Key("samples lost", "–", "no status was recorded")
     lost = sum(channel.lost for channel in status.channels)
     received = sum(channel.received for channel in status.channels)
     dropped = "unknown" if summary.dropped is None else str(summary.dropped)
     return Key("samples lost", f"{lost}", f"of {received + lost}; {dropped} messages not recorded", lost > 0)
+
+
+def _rpm(speed: float) -> str:
+    return f"{round(speed * RPM)}"
 
 
 def _told(value: float, unit: str, digits: int = 0) -> str:
