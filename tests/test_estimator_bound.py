@@ -13,6 +13,7 @@ from vsensor.config import Rig
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.tune import FRICTION
 from vsensor.jit import COMPILED
+from vsensor.quality import Reason
 
 pytestmark = pytest.mark.skipif(not COMPILED, reason="minutes of a rig: too slow without the compiler")
 
@@ -69,3 +70,18 @@ def test_the_bit_is_foretold_by_a_friction_that_was_found_and_the_correction_sti
     assert missed(estimates, "confirmed", record, 15, 35) < 0.2
     assert missed(estimates, "now", record, 10, 20) > 2.0
     assert missed(estimates, "now", record, 40, 90) < 0.3
+
+
+@pytest.mark.parametrize("name", ["2500m", "lateral", "rubbed"])
+def test_a_torque_that_no_friction_explains_is_not_good_and_corrects_nothing(name: str) -> None:
+    """The cable is off from 40 to 70 s: what is read is an amplifier's noise, while the string turns on."""
+    case = CASES[name]
+    read = surface(case.record())
+    torque, off = np.array(read.motor_torque_nm), slice(4000, 7000)
+    torque[off] = np.random.default_rng(1).normal(0.0, 5.0, 3000)
+    sensor = Estimator(case.rig)
+    flagged = sensor.run(torque, read.motor_speed_rad_s).reasons & Reason.TORQUE_TOO_LOW != 0
+    assert not flagged[:4000].any()
+    assert flagged[6990:7000].all()
+    assert not flagged[-100:].any()
+    assert sensor.tuning[FRICTION] == 0.0

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsensor.config import Tuning as Settings
-from vsensor.estimator.tare import acceleration, correct_by_bound, correct_by_tare, weigh_tare
-from vsensor.estimator.tune import FRICTION, INERTIA, OFF, OFFSET, ON, TARED, Tuning, fresh_tuning
+from vsensor.estimator.tare import acceleration, correct_by_bound, correct_by_tare, weigh_bound, weigh_tare
+from vsensor.estimator.tune import FRICTION, INERTIA, OFF, OFFSET, TARED, Tuning, fresh_tuning
 
 RATE = 50.0
 
@@ -18,7 +18,7 @@ def test_off_bottom_the_walls_friction_is_found_once_and_no_more() -> None:
     for _ in range(5):
         for _ in range(500):
             wall = 5e3 * (1 + float(tuning.value[FRICTION]))
-            weigh_tare(tuning, OFF, 0.0, 5e3, 6.5e3 - wall, 100.0**2, RATE)
+            weigh_tare(tuning, 0.0, 5e3, 6.5e3 - wall, 100.0**2, RATE)
         correct_by_tare(tuning, True)
     assert tuning.value[FRICTION] == pytest.approx(0.3, abs=0.02)
     assert tuning.variance[FRICTION] < 0.02**2
@@ -32,7 +32,7 @@ def tared(wrong: Settings, offset: float, rough: float, walls: list[float]) -> T
             for _ in range(500):
                 told = wall * (1 + float(tuning.value[FRICTION]))
                 left = offset - float(tuning.value[OFFSET]) + wall * (1 + rough) - told
-                weigh_tare(tuning, OFF, 0.0, wall, left, 100.0**2, RATE)
+                weigh_tare(tuning, 0.0, wall, left, 100.0**2, RATE)
         correct_by_tare(tuning, True)
     return tuning
 
@@ -75,7 +75,7 @@ def test_inertia_and_wall_are_parted_where_the_string_speeds_up() -> None:
             for _ in range(500):
                 wall = 5e3 * (1 + float(tuning.value[FRICTION]))
                 left = 6e3 - wall + inertial * (0.08 - float(tuning.value[INERTIA]))
-                weigh_tare(tuning, OFF, inertial, 5e3, left, 100.0**2, RATE)
+                weigh_tare(tuning, inertial, 5e3, left, 100.0**2, RATE)
         correct_by_tare(tuning, True)
     assert tuning.value[INERTIA] == pytest.approx(0.08, abs=0.005)
     assert tuning.value[FRICTION] == pytest.approx(0.2, abs=0.005)
@@ -86,7 +86,7 @@ def test_no_tare_goes_beyond_three_deviations_and_none_is_taken_up_when_switched
     for enabled, most in ((True, 3 * Settings().friction), (False, 0.0)):
         tuning = fresh_tuning(Settings(), 1.0)
         for _ in range(500):
-            weigh_tare(tuning, OFF, 0.0, 5e3, 5e3, 100.0**2, RATE)
+            weigh_tare(tuning, 0.0, 5e3, 5e3, 100.0**2, RATE)
         assert correct_by_tare(tuning, enabled) == enabled
         assert tuning.value[FRICTION] == pytest.approx(most)
         # It is known to be rougher than that, and the deviation says so.
@@ -98,7 +98,7 @@ def bounded_by(left: float, enabled: bool = True) -> Tuning:
     tuning = fresh_tuning(Settings(), 1.0)
     for _ in range(5):
         for _ in range(500):
-            weigh_tare(tuning, ON, 0.0, 5e3, left - 5e3 * float(tuning.value[FRICTION]), 100.0**2, RATE)
+            weigh_bound(tuning, 0.0, 5e3, left - 5e3 * float(tuning.value[FRICTION]), 100.0**2, RATE)
         correct_by_tare(tuning, enabled)
         correct_by_bound(tuning, enabled)
     return tuning
@@ -117,6 +117,17 @@ def test_what_a_bit_takes_may_be_the_rocks_and_bounds_nothing() -> None:
     tuning = bounded_by(1e3)
     assert (tuning.value == 0.0).all()
     assert (tuning.variance == tuning.prior).all()
+
+
+def test_a_bit_that_any_friction_would_have_drive_its_rock_is_misread() -> None:
+    """A wall of 5 kN·m that takes nothing: friction is not wrong by so much, but the torque's reading."""
+    tuning = bounded_by(-5e3)
+    assert tuning.too_low[0] == 1
+    assert (tuning.value == 0.0).all()
+    for _ in range(1000):
+        weigh_bound(tuning, 0.0, 5e3, 0.0, 100.0**2, RATE)
+    correct_by_bound(tuning, True)
+    assert tuning.too_low[0] == 0
 
 
 def test_friction_that_may_not_be_corrected_is_the_more_doubted() -> None:

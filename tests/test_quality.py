@@ -64,4 +64,5 @@ def test_flags_are_those_of_recorded_sessions() -> None:
         "FROZEN_TORQUE": 64,
         "FROZEN_SPEED": 128,
         "IN_SLIPS": 256,
+        "TORQUE_TOO_LOW": 512,
     }

@@ -32,6 +32,8 @@ class Reason(IntFlag):
     """Speed does, while the torque moves."""
     IN_SLIPS = 1 << 8
     """The string stands as it would not under this torque: slips hold it, and what it is twisted by."""
+    TORQUE_TOO_LOW = 1 << 9
+    """The string turns under less torque than its wall takes, however wrong friction may be."""
 
     def words(self) -> str:
         """The flags in plain words, comma separated; empty for none."""

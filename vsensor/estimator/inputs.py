@@ -12,6 +12,7 @@ from vsensor.quality import Reason
 _WARMING_UP = int(Reason.WARMING_UP)
 _STALE_TORQUE = int(Reason.STALE_TORQUE)
 _STALE_SPEED = int(Reason.STALE_SPEED)
+_TORQUE_TOO_LOW = int(Reason.TORQUE_TOO_LOW)
 
 
 @inlined
@@ -27,6 +28,8 @@ def enter(model: Model, state: State, torque: float, speed: float, flags: int) -
     place = state.ticks[0] % state.inputs.shape[1]
     watch_steps(model, state, place)
     watch_readings(model, state, place)
+    if state.tuning.too_low[0]:
+        flags |= _TORQUE_TOO_LOW
     return flags | watch_slips(model, state, place)
 
 

@@ -56,6 +56,7 @@ _WARMING_UP = int(Reason.WARMING_UP)
 _STALE = int(Reason.STALE_TORQUE | Reason.STALE_SPEED)
 _NOT_MEASURED = _WARMING_UP | _STALE
 _IN_SLIPS = int(Reason.IN_SLIPS)
+_TORQUE_TOO_LOW = int(Reason.TORQUE_TOO_LOW)
 
 
 @compiled
@@ -143,16 +144,16 @@ def _take(model: Model, state: State, torque: float, speed: float, reasons: int,
     note_rest(model, state)
     if not doubts & _NOT_MEASURED:
         _score(model, state)
+    if not doubts & ~_TORQUE_TOO_LOW and state.off_bottom[0] <= 0:
+        bound_wall(model, state)  # which tells, too, that the torque is no longer too low
     if doubts:
         lose_sight(state.learned)
     elif state.off_bottom[0] > 0:
         study_wall(model, state)
+    elif meets_rock(state.learned):
+        study_law(model, state)
     else:
-        bound_wall(model, state)
-        if meets_rock(state.learned):
-            study_law(model, state)
-        else:
-            await_rock(model, state)
+        await_rock(model, state)
     if not doubts:
         weigh_rock(model, state)
         study_string(model, state)

@@ -142,7 +142,10 @@ def _tuning(tuning: Tuning, prior: Floats) -> None:
     _within("tuning.information", tuning.information, -SUMS, SUMS)
     _gram("tuning.information", tuning.information * np.outer(deviations, deviations))
     _within("tuning.pulls", tuning.pulls, -SUMS, SUMS)
+    _within("tuning.doubt", tuning.doubt, LEAST, SUMS)
+    _within("tuning.asked", tuning.asked, -SUMS, SUMS)
     _within("tuning.steady", tuning.steady, 0, LONGEST)
+    _within("tuning.too_low", tuning.too_low, 0, 1)
 
 
 def _within(name: str, held: ArrayLike, low: ArrayLike, high: ArrayLike, what: str = "") -> None:

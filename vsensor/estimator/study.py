@@ -8,7 +8,7 @@ from vsensor.estimator.ring import mask_of
 from vsensor.estimator.score import EXPECTED, NOW, VALUE
 from vsensor.estimator.setdown import look_for_rock, wait_for_weight
 from vsensor.estimator.state import Model, State
-from vsensor.estimator.tare import APART_S, acceleration, weigh_tare
+from vsensor.estimator.tare import APART_S, acceleration, weigh_bound, weigh_tare
 from vsensor.estimator.tune import INERTIA, OFF, ON, wall_torque
 from vsensor.jit import compiled, inlined
 
@@ -95,31 +95,42 @@ def study_string(model: Model, state: State) -> None:
 def study_wall(model: Model, state: State) -> None:
     """Take a tare of a bit that has long been off bottom: so long as a confirmation takes."""
     lose_sight(state.learned)
-    if (state.off_bottom[0] - model.lag) * model.steps >= model.now:
-        _weigh_wall(model, state, OFF, 0.0)
+    if (state.off_bottom[0] - model.lag) * model.steps >= model.now and _turns_as_one(model, state, OFF):
+        inertial, wall, torque, doubt = _left_over(model, state)
+        weigh_tare(state.tuning, inertial, wall, torque, doubt, model.rate)
 
 
 @inlined
 def bound_wall(model: Model, state: State) -> None:
-    """Take the same of one that is not told to be: rock's own torque is what it is uncertain by."""
-    _weigh_wall(model, state, ON, 2.0 * ROCK_MEMORY_S / APART_S * state.rock_square[0])
+    """Bound friction by one that is not told to be: the rock's own torque is what it is uncertain by."""
+    if _turns_as_one(model, state, ON):
+        inertial, wall, torque, doubt = _left_over(model, state)
+        doubt += 2.0 * ROCK_MEMORY_S / APART_S * state.rock_square[0]
+        weigh_bound(state.tuning, inertial, wall, torque, doubt, model.rate)
 
 
 @inlined
-def _weigh_wall(model: Model, state: State, which: int, rock: float) -> None:
+def _turns_as_one(model: Model, state: State, which: int) -> bool:
+    """Whether the string has done so for long."""
     step = confirmed_step(model, state)
     mask = mask_of(state.told.shape[2])
-    speed, torque = state.told[0, TOLD_BIT_SPEED, step & mask], state.told[0, TOLD_BIT_TORQUE, step & mask]
-    travel = model.now - model.behind * model.steps
-    top = state.told[0, TOLD_TOP_SPEED, (step - travel) & mask]
+    speed = state.told[0, TOLD_BIT_SPEED, step & mask]
+    top = state.told[0, TOLD_TOP_SPEED, (step - (model.now - model.behind * model.steps)) & mask]
     steady = abs(top) > TURNING and abs(speed - top) < STEADY[which] * abs(top)
     ticks = state.tuning.steady
     ticks[which] = ticks[which] + 1 if steady else 0
     ticks[1 - which] = 0
-    if ticks[which] > STEADY_S * model.rate:
-        doubt = doubt_by_noise(model, state, TOLD_BIT_TORQUE) + rock
-        step_s = 1.0 / (model.rate * model.steps)
-        inertia = 0.5 * model.drive_rates[0] * step_s / (1.0 + state.tuning.value[INERTIA])
-        inertial = inertia * acceleration(state.told[0, TOLD_TOP_SPEED], step, travel, step_s)
-        wall = wall_torque(model.line, state.tuning, speed)
-        weigh_tare(state.tuning, which, inertial, wall, torque, doubt, model.rate)
+    return bool(ticks[which] > STEADY_S * model.rate)
+
+
+@inlined
+def _left_over(model: Model, state: State) -> tuple[float, float, float, float]:
+    """What inertia and wall take as configured, the bit's torque, N·m, and its variance by noise."""
+    step = confirmed_step(model, state)
+    mask = mask_of(state.told.shape[2])
+    speed, torque = state.told[0, TOLD_BIT_SPEED, step & mask], state.told[0, TOLD_BIT_TORQUE, step & mask]
+    travel, step_s = model.now - model.behind * model.steps, 1.0 / (model.rate * model.steps)
+    inertia = 0.5 * model.drive_rates[0] * step_s / (1.0 + state.tuning.value[INERTIA])
+    inertial = inertia * acceleration(state.told[0, TOLD_TOP_SPEED], step, travel, step_s)
+    wall = wall_torque(model.line, state.tuning, speed)
+    return inertial, wall, torque, doubt_by_noise(model, state, TOLD_BIT_TORQUE)

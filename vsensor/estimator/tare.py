@@ -20,10 +20,12 @@ from vsensor.estimator.tune import (
     bounded,
     posterior,
 )
-from vsensor.jit import compiled
+from vsensor.jit import compiled, inlined
 
-MEMORY_S = 30.0
-"""Time over which a tare is forgotten."""
+MEMORY_S = (30.0, 10.0)
+"""Time over which a tare is forgotten, and what bounds friction: that must be heard before it is too late."""
+ALIKE = 0.2
+"""Friction is bounded by what is the same, but for such a share, twice in a row."""
 APART_S = 1.0
 """Bit torques so far apart tell independently of each other."""
 RAMP_S = 0.25
@@ -51,9 +53,18 @@ def correct_by_bound(tuning: Tuning, enabled: bool) -> bool:
     """Take back what friction surely is too much by, where a bit seems to drive its rock; whether any was.
 
     No bit does: at the most it meets nothing. An inertia the rock may be taken for, so that is left alone.
+    Where friction would have to be less than it can be, it is the torque's reading that is wrong.
     """
     _, (_, friction, offset), surely = _due(tuning, ON)
+    tuning.too_low[0] = 0
     if not surely or tuning.pulls[ON, _FRICTION] >= 0.0:
+        return False
+    asked = float(tuning.pulls[ON, _FRICTION] / tuning.information[ON, _FRICTION, _FRICTION])
+    before, tuning.asked[0] = float(tuning.asked[0]), asked
+    if abs(asked - before) > ALIKE * abs(asked):  # what it comes to is not to be seen yet
+        return False
+    if asked < bounded(tuning, FRICTION, asked):
+        tuning.too_low[0] = 1
         return False
     if enabled:
         return any(_take(tuning, [0.0, friction, offset]))
@@ -65,8 +76,9 @@ def correct_by_bound(tuning: Tuning, enabled: bool) -> bool:
 
 def _due(tuning: Tuning, which: int) -> tuple[Matrix, list[float], bool]:
     """Covariance, corrections that are due, and whether they surely are."""
-    pulls = tuning.pulls[which].tolist()
-    covariance = posterior(tuning.prior[TARED].tolist(), tuning.information[which].tolist())
+    doubt = 1.0 if which == OFF else float(tuning.doubt[0])
+    pulls = (tuning.pulls[which] / doubt).tolist()
+    covariance = posterior(tuning.prior[TARED].tolist(), (tuning.information[which] / doubt).tolist())
     dues = [sum(c * pull for c, pull in zip(row, pulls, strict=True)) for row in covariance]
     surely = sum(due * pull for due, pull in zip(dues, pulls, strict=True)) > SURELY**2
     return covariance, dues, surely
@@ -84,14 +96,29 @@ def _take(tuning: Tuning, dues: list[float]) -> list[float]:
 
 @compiled
 def weigh_tare(
-    tuning: Tuning, which: int, inertial: float, wall: float, torque: float, doubt: float, rate: float
+    tuning: Tuning, inertial: float, wall: float, torque: float, doubt: float, rate: float
 ) -> None:
     """Learn from a bit torque that is truly zero, told with the variance `doubt`.
 
     As configured the top drive's acceleration takes the torque `inertial`, friction the torque `wall`, N·m.
     """
-    weight = 1.0 / (APART_S * rate * doubt)
-    keep = 1.0 - 1.0 / (MEMORY_S * rate)
+    _weigh(tuning, OFF, inertial, wall, torque, 1.0 / (APART_S * rate * doubt), rate)
+
+
+@compiled
+def weigh_bound(
+    tuning: Tuning, inertial: float, wall: float, torque: float, doubt: float, rate: float
+) -> None:
+    """Learn from one that is zero or more, as seen in the direction in which the string turns."""
+    tuning.doubt[0] = doubt
+    _weigh(tuning, ON, inertial, wall, torque, 1.0 / (APART_S * rate), rate)
+
+
+@inlined
+def _weigh(
+    tuning: Tuning, which: int, inertial: float, wall: float, torque: float, weight: float, rate: float
+) -> None:
+    keep = 1.0 - 1.0 / (MEMORY_S[which] * rate)
     does = (inertial, wall, 1.0)
     for i in range(3):
         for j in range(3):

@@ -58,12 +58,19 @@ class Tuning(NamedTuple):
     crossed: Floats
     """and of what the first pair differs by times what the second does, shape (1,)."""
     information: Floats
-    """What a bit OFF and ON bottom told of inertia, friction and offset: weighted sums of products of what
-    each does to the torque, shape (2, 3, 3),"""
+    """What a bit OFF and ON bottom told of inertia, friction and offset: sums of products of what each does
+    to the torque, shape (2, 3, 3),"""
     pulls: Floats
-    """and of that times the torque left over, shape (2, 3)."""
+    """and of that times the torque left over, shape (2, 3): OFF each weighted by how well it was known;"""
+    doubt: Floats
+    """ON all alike, by the variance of the newest torque, shape (1,): for the rock is not yet told to be more
+    restless when its torque begins to differ."""
+    asked: Floats
+    """By what ON bottom friction was to change when it was last looked at, shape (1,)."""
     steady: Integers
     """Ticks for which the string has turned as one, shape (2,)."""
+    too_low: Integers
+    """Whether it does under less torque than any friction asks for that is within its bounds, shape (1,)."""
 
 
 def shadows(p: int) -> slice:
@@ -84,7 +91,10 @@ def fresh_tuning(settings: Settings, passed: float) -> Tuning:
         crossed=np.zeros(1),
         information=np.zeros((2, 3, 3)),
         pulls=np.zeros((2, 3)),
+        doubt=np.ones(1),
+        asked=np.zeros(1),
         steady=np.zeros(2, np.int64),
+        too_low=np.zeros(1, np.int64),
     )
 
 
