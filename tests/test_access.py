@@ -216,3 +216,18 @@ def test_the_script_says_how_it_is_used() -> None:
     done = subprocess.run([EXAMPLES / "make-authority.sh"], capture_output=True, text=True, check=False)
     assert (done.returncode, os.linesep in done.stderr) == (2, True)
     assert "FOLDER [HOST ...]" in done.stderr
+
+
+def test_the_script_tells_what_openssl_refuses_and_leaves_no_half_of_it(tmp_path: Path) -> None:
+    def made(*words: str) -> "subprocess.CompletedProcess[str]":
+        command = [EXAMPLES / "make-authority.sh", tmp_path, *words]
+        return subprocess.run(command, capture_output=True, text=True, check=False)
+
+    refused = made("IP:9.9.9.9")
+    assert refused.returncode == 1
+    assert "bad ip address" in refused.stderr
+    assert not (tmp_path / "daemon.pem").exists()
+    (tmp_path / "viewer.pem").touch()  # of no bytes, as a full disk leaves it
+    assert made().returncode == 0
+    assert "BEGIN CERTIFICATE" in (tmp_path / "viewer.pem").read_text()
+    assert not list(tmp_path.glob(".made*"))

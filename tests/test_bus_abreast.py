@@ -119,6 +119,21 @@ def test_a_stray_time_in_a_backlog_holds_back_nothing_behind_it(rig: Ends) -> No
     assert most_ahead_ns(got) <= 250 * MS
 
 
+def test_one_sample_ahead_of_its_own_channel_holds_back_nothing_behind_it(rig: Ends) -> None:
+    """By 1.5 s: not so far that it is no part of any order, and far enough to be waited for."""
+    inbox = rig.inbox()
+    both = range(0, NS, 10 * MS)
+    rig.send(SURFACE_TORQUE, both)
+    rig.send(SURFACE_SPEED, both)
+    received(inbox, 2 * len(both))
+    later = range(NS, NS + 20 * MS, 10 * MS)
+    rig.send(SURFACE_TORQUE, [2 * NS + 500 * MS, *later])
+    begun = time.monotonic()
+    got = received(inbox, 3)
+    assert time.monotonic() - begun < 0.5 * queue.PATIENCE_NS / NS
+    assert times_ns(got, SURFACE_TORQUE) == [2 * NS + 500 * MS, *later]
+
+
 def test_nothing_is_held_back_at_the_end(rig: Ends) -> None:
     inbox = rig.inbox()
     rig.send(SURFACE_TORQUE, SECONDS)

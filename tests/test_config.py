@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from vsensor.config import Component, Rig, effective_toml, load, loads
+from vsensor.config.rig import MOST_BYTES
 from vsensor.errors import ConfigError
 
 SMALL = """
@@ -205,6 +206,14 @@ def test_a_file_that_is_no_text_is_named(tmp_path: Path, content: bytes | None) 
         ConfigError, match=r"rig\.toml(: cannot be read: No such|, line 1: is not UTF-8: save it as)"
     ):
         load(file)
+
+
+def test_what_is_far_too_large_for_a_configuration_is_not_read(tmp_path: Path) -> None:
+    file = tmp_path / "rig.toml"
+    file.write_bytes(b"#" * (MOST_BYTES - len(SMALL) - 1) + b"\n" + SMALL.encode())
+    assert load(file).rig.name
+    with pytest.raises(ConfigError, match=r"/dev/zero: is larger than 1 MiB, as no configuration is"):
+        load(Path("/dev/zero"))
 
 
 def test_relative_folders_stay_relative() -> None:

@@ -24,27 +24,33 @@ for host in "$@"; do
     if [[ $host =~ ^[0-9.]+$ || $host == *:* ]]; then names+=",IP:$host"; else names+=",DNS:$host"; fi
 done
 
-new_key() { openssl genpkey -quiet -algorithm EC -pkeyopt ec_paramgen_curve:P-256 -out "$1"; }
+# What is made comes to its place when it is whole, and what openssl says is told where it fails.
+made=$(mktemp -d .made.XXXXXX)
+trap 'rm -rf "$made"' EXIT
+quietly() { "$@" 2> "$made/said" || { cat "$made/said" >&2; exit 1; }; }
+new_key() { quietly openssl genpkey -quiet -algorithm EC -pkeyopt ec_paramgen_curve:P-256 -out "$1"; }
 
-if [ ! -e ca.key ]; then
-    new_key ca.key
-    openssl req -x509 -new -key ca.key -days 3650 -subj "/CN=vsensor authority" -out ca.pem \
+if [ ! -s ca.key ]; then
+    new_key "$made/ca.key"
+    quietly openssl req -x509 -new -key "$made/ca.key" -days 3650 -subj "/CN=vsensor authority" -out "$made/ca.pem" \
         -addext "basicConstraints=critical,CA:TRUE,pathlen:0" -addext "keyUsage=critical,keyCertSign,cRLSign"
-    chmod a+r ca.pem
+    chmod a+r "$made/ca.pem"
+    mv "$made/ca.key" "$made/ca.pem" .
 fi
 
 # Who serves is asked for its names; who connects is not.
 for role in daemon router sensor surface viewer driller; do
-    if [ -e "$role.pem" ]; then continue; fi
+    if [ -s "$role.pem" ]; then continue; fi
     case $role in
         daemon | router) extensions="extendedKeyUsage=serverAuth,clientAuth"$'\n'"subjectAltName=$names" ;;
         *) extensions="extendedKeyUsage=clientAuth" ;;
     esac
-    new_key "$role.key"
-    openssl req -new -key "$role.key" -subj "/CN=$role" |
-        openssl x509 -req -CA ca.pem -CAkey ca.key -CAcreateserial -days 825 -out "$role.pem" \
-            -extfile <(printf 'basicConstraints=critical,CA:FALSE\nkeyUsage=critical,digitalSignature\n%s\n' \
-                "$extensions") 2> /dev/null
-    chmod a+r "$role.pem"
+    new_key "$made/$role.key"
+    quietly openssl req -new -key "$made/$role.key" -subj "/CN=$role" -out "$made/$role.csr"
+    printf 'basicConstraints=critical,CA:FALSE\nkeyUsage=critical,digitalSignature\n%s\n' "$extensions" > "$made/extensions"
+    quietly openssl x509 -req -in "$made/$role.csr" -CA ca.pem -CAkey ca.key -CAcreateserial -days 825 \
+        -out "$made/$role.pem" -extfile "$made/extensions"
+    chmod a+r "$made/$role.pem"
+    mv "$made/$role.key" "$made/$role.pem" .
     echo "$role.pem, $role.key"
 done

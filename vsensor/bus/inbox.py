@@ -107,6 +107,8 @@ class SurfaceInbox:
             other.given_up = queue.rested = False
         if other.given_up:
             return False
+        if queue.is_overtaken():  # it is ahead of its own channel, not of the other
+            return False
         queue.held_ns = queue.held_ns or now_ns
         other.given_up = now_ns - queue.held_ns >= PATIENCE_NS
         return not other.given_up

@@ -92,6 +92,17 @@ class SurfaceQueue:
             self.newest_ns = self._sample.time_ns
         return Received(self.topic, time.time_ns(), self._sample, self._unreadable, self.over_rate)
 
+    def is_overtaken(self) -> bool:
+        """Whether what came behind the sample that was seen is older: then it has a time of its own."""
+        if not self._history and (raw := self._subscriber.try_recv()) is not None:
+            self._history.append(raw)
+        if not self._history:
+            return False
+        try:
+            return self._decoded(self._history[0]).time_ns < self.time_ns
+        except ValueError:
+            return False
+
     def missed(self) -> int:
         """How many the bus knows to be lost since the last call."""
         lost = 0
@@ -124,15 +135,18 @@ class SurfaceQueue:
         if self.over_rate:
             return
         try:
-            # Its size is asked first: what is far too large for a sample is not even copied.
-            surface.check_size(len(payload := raw.payload))
-            sample = surface.decode(payload.to_bytes(), str(raw.encoding), lambda: _stamp_ns(raw))
+            sample = self._decoded(raw)
         except ValueError as error:
             self._unreadable = self._keep(raw, str(error))
             return
         self._sample = sample
         if self.newest_ns is None or abs(sample.time_ns - self.newest_ns) <= STRAY_NS:
             self.time_ns = sample.time_ns
+
+    def _decoded(self, raw: zenoh.Sample) -> Sample:
+        # Its size is asked first: what is far too large for a sample is not even copied.
+        surface.check_size(len(payload := raw.payload))
+        return surface.decode(payload.to_bytes(), str(raw.encoding), lambda: _stamp_ns(raw))
 
     def _keep(self, raw: zenoh.Sample, fault: str) -> Unreadable:
         encoding = str(raw.encoding)

@@ -92,10 +92,18 @@ def _hangs_in_mud(where: str, part: Component, mud_density: float) -> None:
         )
 
 
+MOST_BYTES = 1 << 20
+"""A survey of a thousand stations takes a tenth of it: what is larger was named by mistake."""
+
+
 def load(path: Path) -> Rig:
     """Read a configuration file; ConfigError tells every fault of it at once, each with its path."""
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        with path.open("rb") as file:
+            content = file.read(MOST_BYTES + 1)
+        if len(content) > MOST_BYTES:
+            raise ConfigError(f"{path}: is larger than {MOST_BYTES >> 20} MiB, as no configuration is")
+        text = content.decode("utf-8-sig")
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
