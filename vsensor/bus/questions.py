@@ -18,6 +18,7 @@ QUESTION_BYTES = 200
 """What a driller may say is far shorter."""
 ANSWER_S = 5.0
 """A sensor that has not answered by then does not."""
+UNANSWERED = "is the daemon (vsensor run) up? Behind a lock: is this client's role allowed to ask?"
 
 
 class Questions:
@@ -49,7 +50,7 @@ def command(session: zenoh.Session, prefix: str, words: str) -> str:
             return reply.ok.payload.to_string()
         if reply.err is not None:
             raise BusError(reply.err.payload.to_string())
-    raise BusError(f"no sensor answers at {prefix}/{SENSOR_COMMAND}: is the daemon (vsensor run) up?")
+    raise BusError(f"no sensor answers at {prefix}/{SENSOR_COMMAND}: {UNANSWERED}")
 
 
 def ask_status(session: zenoh.Session, prefix: str) -> Status:
@@ -57,4 +58,4 @@ def ask_status(session: zenoh.Session, prefix: str) -> Status:
     for reply in session.get(f"{prefix}/{SENSOR_STATUS}", timeout=ANSWER_S):
         if reply.ok is not None:
             return Status.FromString(reply.ok.payload.to_bytes())
-    raise BusError(f"no sensor answers at {prefix}/{SENSOR_STATUS}: is the daemon (vsensor run) up?")
+    raise BusError(f"no sensor answers at {prefix}/{SENSOR_STATUS}: {UNANSWERED}")
