@@ -74,6 +74,12 @@ def test_what_is_no_session_is_kept_and_said(part: Path) -> None:
     assert part.with_suffix(".torn").read_bytes() == b"nothing"
 
 
+def test_one_without_a_message_is_kept_and_said(part: Path) -> None:
+    part.write_bytes(part.read_bytes()[:200])
+    assert "nothing of it could be saved" in mend(part)
+    assert list(part.parent.iterdir()) == [part.with_suffix(".torn")]
+
+
 def test_what_another_is_mending_is_left_to_it(part: Path) -> None:
     with recovering(part.with_suffix("")).open("wb") as other:
         fcntl.flock(other, fcntl.LOCK_EX)
