@@ -154,7 +154,7 @@ def nested(size: int) -> bytes:
     """Records that lead to the end of the file, each with another behind its head."""
     piece = len(metadata(b"")) + 9
     return b"".join(
-        metadata(b"") + struct.pack("<BQ", 0x90, size - piece * (at + 1) - 5) for at in range(size // piece)
+        metadata(b"") + struct.pack("<BQ", 0x90, size - piece * at - 5) for at in range(1, size // piece)
     )
 
 
