@@ -43,7 +43,7 @@ class Made:
         for number in range(CHUNKS * ROWS):
             told = Tick(number=number) if number % 2 else Sample(sequence=number, value=number**0.5)
             topic = SENSOR_TICK if number % 2 else SURFACE_TORQUE
-            writer.write(topic, told.SerializeToString(), number, number)
+            writer.write(topic, told.SerializeToString(), number, number, sequence=number)
             self.records.append(Record(topic, told, number, number))
             if (number + 1) % ROWS == 0:
                 writer.sync()
@@ -87,6 +87,16 @@ def test_what_a_damaged_chunk_has_cost_is_told_by_its_place(tmp_path: Path, chun
     mended = Session(recovered.path)
     assert mended.metadata["could_not_be_read"] == recovered.lost
     assert (mended.configuration, mended.metadata["rig"]) == ("[rig]", "r")
+
+
+def test_what_is_saved_is_as_it_stood(tmp_path: Path) -> None:
+    made = MADE["none"]
+    torn = tmp_path / "a.mcap.part"
+    torn.write_bytes(made.data[: made.end])
+    mended = recover(torn).path
+    found, stood = ([message for _, _, message in Scan(path).messages()] for path in (mended, torn))
+    assert found == stood
+    assert [message.sequence for message in found] == [*range(CHUNKS * ROWS)]
 
 
 def test_a_torn_one_is_read_past_what_is_damaged_in_it(tmp_path: Path) -> None:
