@@ -10,7 +10,8 @@ import pytest
 from tests.clerks import NAME, RIG, Desk, numbers
 from vsensor.recording.limits import Limits
 from vsensor.recording.mend import mend, torn
-from vsensor.recording.recover import recover, recovering
+from vsensor.recording.names import recovering
+from vsensor.recording.recover import recover
 
 
 @pytest.fixture

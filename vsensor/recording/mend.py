@@ -13,10 +13,8 @@ import sys
 from pathlib import Path
 
 from vsensor.errors import VsensorError
-from vsensor.recording.names import is_session_of, untaken
+from vsensor.recording.names import is_session_of, recovering, untaken
 from vsensor.recording.reader import Session
-from vsensor.recording.recover import recover, recovering
-from vsensor.recording.survey import NothingLeftError
 from vsensor.recording.writer import RECOVERED_FROM
 
 
@@ -28,6 +26,9 @@ def torn(folder: Path, rig: str) -> list[Path]:
 
 def mend(part: Path) -> str:
     """Mend one; returns what became of it, in words."""
+    from vsensor.recording.recover import recover  # with Numba, which the recorder's process does not load
+    from vsensor.recording.survey import NothingLeftError
+
     path, kept = part.with_suffix(""), part.with_suffix(".torn")
     if _comes_of(path, part):
         part.rename(kept)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from vsensor.recording.blocks import Block, blocks
 from vsensor.recording.index import Index
+from vsensor.recording.names import recovering
 from vsensor.recording.reader import Session
 from vsensor.recording.scan import Scan
 from vsensor.recording.survey import survey
@@ -45,11 +46,6 @@ def recover(torn: Path, output: Path | None = None) -> Recovered:
         if session.recorder:
             writer.note(RECORDER, session.recorder)
     return Recovered(path, writer.written, found.lost_bytes, found.lost)
-
-
-def recovering(path: Path) -> Path:
-    """Where a session is written while it is mended: NAME.mcap.part may be the torn one itself."""
-    return path.with_name(f"{path.name}.recovering")
 
 
 def _copy(block: Block, told: Index, writer: SessionWriter) -> None:
