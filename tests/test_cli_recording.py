@@ -140,7 +140,7 @@ def test_nothing_that_a_session_tells_is_obeyed_by_a_terminal(tmp_path: Path) ->
 def test_info_of_a_torn_session_says_so_and_recover_mends_it(session: Path) -> None:
     torn = session.with_name("b.mcap.part")
     torn.write_bytes(session.read_bytes()[:-20])
-    assert "torn, or still being written" in vsensor("info", torn).output
+    assert "torn, damaged or still being written" in vsensor("info", torn).output
 
     done = vsensor("recover", torn)
 

@@ -10,7 +10,8 @@ import pytest
 from tests.clerks import NAME, RIG, Desk, numbers
 from vsensor.recording.limits import Limits
 from vsensor.recording.mend import mend, torn
-from vsensor.recording.recover import recover, recovering
+from vsensor.recording.names import recovering
+from vsensor.recording.recover import recover
 
 
 @pytest.fixture
@@ -72,6 +73,12 @@ def test_what_is_no_session_is_kept_and_said(part: Path) -> None:
     part.write_bytes(b"nothing")
     assert "nothing of it could be saved" in mend(part)
     assert part.with_suffix(".torn").read_bytes() == b"nothing"
+
+
+def test_one_without_a_message_is_kept_and_said(part: Path) -> None:
+    part.write_bytes(part.read_bytes()[:200])
+    assert "nothing of it could be saved" in mend(part)
+    assert list(part.parent.iterdir()) == [part.with_suffix(".torn")]
 
 
 def test_what_another_is_mending_is_left_to_it(part: Path) -> None:

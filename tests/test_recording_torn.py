@@ -127,7 +127,7 @@ def test_zeros_after_a_power_cut_are_no_messages(tmp_path: Path) -> None:
     path.write_bytes(data[: sizes[2]] + bytes(100_000))
 
     assert list(Session(path).messages()) == records[: 2 * ROWS]
-    assert Session(path).summary().torn_bytes == 100_000
+    assert Session(path).summary().holes.lost_bytes == 100_000
 
 
 def test_a_recovered_session_is_complete_and_the_torn_one_is_kept(tmp_path: Path) -> None:
@@ -143,7 +143,11 @@ def test_a_recovered_session_is_complete_and_the_torn_one_is_kept(tmp_path: Path
     assert session.complete
     assert list(session.messages()) == records[: 2 * ROWS]
     assert session.configuration == "c"
-    assert session.metadata == {"rig": "r", "recovered_from": "a.mcap.part"}
+    assert session.metadata == {
+        "rig": "r",
+        "recovered_from": "a.mcap.part",
+        "could_not_be_read": f"11 bytes from byte {sizes[2]}",
+    }
     assert torn.read_bytes() == data[: sizes[2] + 11]
     assert {p.name for p in tmp_path.iterdir()} == {"a.mcap", "a.mcap.part"}
 
@@ -155,7 +159,7 @@ def test_a_damaged_session_is_recovered_under_another_name(tmp_path: Path) -> No
     recovered = recover(tmp_path / "a.mcap")
 
     assert recovered.path == tmp_path / "a.recovered.mcap"
-    assert list(Session(recovered.path).messages()) == records[:ROWS]
+    assert list(Session(recovered.path).messages()) == records[:ROWS] + records[2 * ROWS :]
 
 
 def test_a_session_that_was_whole_loses_nothing(tmp_path: Path) -> None:

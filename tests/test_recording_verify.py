@@ -174,6 +174,7 @@ def parted(
     with SessionWriter(path, configuration="", metadata={"rig": "r"}, compression="none") as writer:
         for tick in told:
             if tick.number in states:
+                writer.sync()  # a chunk ends here
                 writer.write(SENSOR_STATE, estimator.state(tick.number).SerializeToString(), 0, 0)
             estimate = estimator.step(tick)
             if tick.number not in missing:
@@ -195,6 +196,16 @@ def test_behind_a_loss_the_next_state_is_taken_up(tmp_path: Path) -> None:
     session = parted(tmp_path / "a.mcap", ticks(50), {0, 20, 40}, {25, 26})
     verdict = verify(session, Sum())
     assert verdict == Verdict(ticks=35, compared=35, skipped=13, gaps=[Gap(25, 27)])
+    assert not verdict.exact
+
+
+def test_behind_a_damaged_chunk_of_a_torn_session_the_next_state_is_taken_up(tmp_path: Path) -> None:
+    path = parted(tmp_path / "a.mcap", ticks(50), {0, 20, 40}).path
+    data = bytearray(path.read_bytes())
+    data[data.index(Tick(number=25, time_ns=25_000, motor_torque_nm=0.1 * 25).SerializeToString())] ^= 1
+    path.write_bytes(data[:-20])
+    verdict = verify(Session(path), Sum())
+    assert verdict == Verdict(ticks=30, compared=30, gaps=[Gap(20, 40)])
     assert not verdict.exact
 
 

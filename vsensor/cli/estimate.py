@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from vsensor.intake.arrivals import Feed
     from vsensor.messages import Event, Sample
     from vsensor.offline import Offline
+    from vsensor.recording.reader import Session
     from vsensor.service.engine import Engine
 
 
@@ -43,33 +44,36 @@ def estimate(
         raise ConfigError(f"{output}: estimates go into {', '.join(SINKS)} or .mcap: end its name so")
     if output.exists() and source.exists() and output.samefile(source):
         raise ConfigError(f"{output}: is what is read: choose another name for the estimates")
-    rig = _rig(source, config)
+    read, rig = _opened(source, config)
     write = _to_session if output.suffix == ".mcap" else _to_table
     if write is _to_table:
         check_writable(output)  # before the work, not after
     console = Console(highlight=False, markup=False, soft_wrap=True)
     with reading(source, "estimating", console):
-        ticks = write(rig, source, output, forecast, console)
+        ticks = write(rig, read, output, forecast, console)
+    if not isinstance(read, Path) and (shortfall := read.shortfall()):
+        typer.echo(f"{source} {shortfall}; what is left of it is estimated", err=True)
     console.print(f"{ticks} ticks estimated into {output}")
 
 
-def _rig(source: Path, config: Path | None) -> Rig:
-    if config is not None:
-        return load(config)
+def _opened(source: Path, config: Path | None) -> "tuple[Path | Session, Rig]":
+    """The table's path, or the session opened; and the rig."""
+    from vsensor.recording.reader import Session
     from vsensor.tables.sources import source_of
 
+    rig = load(config) if config is not None else None
     if not _is_session(source):
-        source_of(source)  # refuses what is none
-        raise ConfigError(
-            f"{source}: a table holds no configuration: name one, as in\n"
-            f"  vsensor estimate {source} RIG.toml -o OUTPUT"
-        )
-    from vsensor.recording.reader import Session
-
-    recorded = Session(source).configuration
-    if recorded is None:
-        raise ConfigError(f"{source}: holds no configuration: name one behind it")
-    return loads(recorded, f"{source}: recorded configuration")
+        if rig is None:
+            source_of(source)  # refuses what is none
+            raise ConfigError(
+                f"{source}: a table holds no configuration: name one, as in\n"
+                f"  vsensor estimate {source} RIG.toml -o OUTPUT"
+            )
+        return source, rig
+    session = Session(source)
+    if rig is None and session.configuration is None:
+        raise ConfigError(str(session.lacks("holds no configuration: name one behind it")))
+    return session, rig or loads(session.configuration or "", f"{source}: recorded configuration")
 
 
 def _is_session(source: Path) -> bool:
@@ -77,7 +81,7 @@ def _is_session(source: Path) -> bool:
     return ".mcap" in (suffix.lower() for suffix in source.suffixes)
 
 
-def _feed(source: Path, forecast: bool, sensor: "Offline | None" = None) -> "Feed":
+def _feed(source: "Path | Session", forecast: bool, sensor: "Offline | None" = None) -> "Feed":
     """Samples by columns and, of a session, what else the sensor was told between them.
 
     Depths that change nothing for a `sensor` are given to it at once. Where no forecast is wanted, nothing
@@ -86,13 +90,12 @@ def _feed(source: Path, forecast: bool, sensor: "Offline | None" = None) -> "Fee
     from vsensor.intake import FORECAST_SHED, OBEYED
     from vsensor.intake.arrivals import Arrivals
     from vsensor.recording.feed import feed
-    from vsensor.recording.reader import Session
     from vsensor.tables import surface_pieces
 
-    if _is_session(source):
+    if not isinstance(source, Path):
         settling = (sensor.intake.depths.settles,) if sensor else ()
         obeyed = [name for name in OBEYED if forecast or name != FORECAST_SHED]
-        yield from feed(Session(source), obeyed, *settling)
+        yield from feed(source, obeyed, *settling)
         return
     torque, speed = 0, 0
     for table in surface_pieces(source, as_it_came=True):
@@ -101,7 +104,7 @@ def _feed(source: Path, forecast: bool, sensor: "Offline | None" = None) -> "Fee
         torque, speed = torque + table.samples[0], speed + table.samples[1]
 
 
-def _samples(source: Path, forecast: bool) -> "Iterator[tuple[str, Sample | Event]]":
+def _samples(source: "Path | Session", forecast: bool) -> "Iterator[tuple[str, Sample | Event]]":
     """The same one by one."""
     from vsensor.intake.arrivals import Arrivals
 
@@ -112,25 +115,24 @@ def _samples(source: Path, forecast: bool) -> "Iterator[tuple[str, Sample | Even
             yield come
 
 
-def _begin(source: Path, engine: "Engine | Offline", forecast: bool, console: Console) -> None:
+def _begin(source: "Path | Session", engine: "Engine | Offline", forecast: bool, console: Console) -> None:
     """Let a later part of a recording go on from what the sensor remembered at its start."""
-    _take_up(source, engine, console)
+    if not isinstance(source, Path):
+        _take_up(source, engine, console)
     engine.intake.forecast_shed |= not forecast
 
 
-def _take_up(source: Path, engine: "Engine | Offline", console: Console) -> None:
-    from vsensor.recording.reader import Session
-
-    state = Session(source).state() if _is_session(source) else None
+def _take_up(session: "Session", engine: "Engine | Offline", console: Console) -> None:
+    state = session.state()
     if state is None:
         return
     try:
         engine.take_up(state)
     except ValueError as error:
-        console.print(f"{source}: what the sensor remembered at the start is left aside: {error}")
+        console.print(f"{session.path}: what the sensor remembered at the start is left aside: {error}")
 
 
-def _to_table(rig: Rig, source: Path, output: Path, forecast: bool, console: Console) -> int:
+def _to_table(rig: Rig, source: "Path | Session", output: Path, forecast: bool, console: Console) -> int:
     from vsensor.offline import Offline
     from vsensor.tables import ESTIMATE_FIELDS, TableWriter
 
@@ -145,7 +147,7 @@ def _to_table(rig: Rig, source: Path, output: Path, forecast: bool, console: Con
     return writer.rows
 
 
-def _to_session(rig: Rig, source: Path, output: Path, forecast: bool, console: Console) -> int:
+def _to_session(rig: Rig, source: "Path | Session", output: Path, forecast: bool, console: Console) -> int:
     from vsensor import checkpoint
     from vsensor.config import effective_toml
     from vsensor.messages import BIT_ESTIMATE, SENSOR_STATE, SENSOR_TICK
@@ -193,5 +195,6 @@ def _tell_refused(sensor: "Engine | Offline", rig: Rig, console: Console) -> Non
             console.print(f"{said}; at most {most[topic]} is believed: is the unit right?" if wrong else said)
 
 
-def _no_tick(source: Path) -> InputError:
-    return InputError(f"{source}: no tick came of it: both surface channels are needed, from one time on")
+def _no_tick(source: "Path | Session") -> InputError:
+    what = "gives no tick: both surface channels are needed, from one time on"
+    return InputError(f"{source}: {what}") if isinstance(source, Path) else source.lacks(what)

@@ -7,7 +7,6 @@ import typer
 from rich.console import Console
 
 from vsensor.cli.reading import reading
-from vsensor.errors import InputError
 
 if TYPE_CHECKING:
     from vsensor.recording.reader import Session
@@ -27,7 +26,10 @@ def export(
     check_writable(output)  # refuses another kind of file before the work, not after
     write = _surface if surface else _estimates
     with reading(session, "exporting", Console(stderr=True)):
-        rows = write(Session(session), output)
+        recorded = Session(session)
+        rows = write(recorded, output)
+    if shortfall := recorded.shortfall():
+        typer.echo(f"{session} {shortfall}; the table holds what is left of it", err=True)
     typer.echo(f"{rows} rows of {session} exported into {output}")
 
 
@@ -40,9 +42,7 @@ def _estimates(session: "Session", output: Path) -> int:
         for columns in estimate_tables(session):
             writer.write(columns)
         if not writer.rows:
-            raise InputError(
-                f"{session.path}: holds no {BIT_ESTIMATE}; --surface exports its surface samples"
-            )
+            raise session.lacks(f"holds no {BIT_ESTIMATE}; --surface exports its surface samples")
     return writer.rows
 
 
@@ -60,7 +60,7 @@ def _surface(session: "Session", output: Path) -> int:
             alone += sum(int(np.isnan(column).sum()) for column in columns.values())
             writer.write(columns)
         if not writer.rows:
-            raise InputError(f"{session.path}: holds no {SURFACE_TORQUE} and no {SURFACE_SPEED}")
+            raise session.lacks(f"holds no {SURFACE_TORQUE} and no {SURFACE_SPEED}")
     if alone:
         typer.echo(f"{alone} rows have a sample of one channel alone: the other is left empty", err=True)
     return writer.rows

@@ -34,10 +34,9 @@ def info(session: Annotated[Path, typer.Argument(help="A session, whole or torn.
 
 
 def _facts(summary: "Summary", configured: bool) -> dict[str, str]:
-    torn = f"torn, or still being written: {summary.torn_bytes} bytes at its end cannot be read"
     facts = {
         "session": f"{summary.path}, {summary.size_bytes / 1e6:.3g} MB",
-        "state": "complete" if summary.complete else torn,
+        "state": _state(summary),
         "rig": summary.rig or "not named",
         "begins": _when(summary.first_ns),
         "lasts": f"{summary.duration_s:.3f} s",
@@ -46,9 +45,19 @@ def _facts(summary: "Summary", configured: bool) -> dict[str, str]:
         **{name.replace("_", " "): text for name, text in summary.metadata.items() if name != "rig"},
     }
     if summary.recorder:
-        facts["not recorded"] = "unknown" if summary.dropped is None else f"{summary.dropped} messages"
+        dropped = "unknown" if summary.dropped is None else f"{summary.dropped} messages"
+        facts["not recorded"] = f"{dropped}, and what could not be read since" if summary.lost else dropped
         facts["ended"] = summary.recorder.get("ended", "unknown")
     return facts
+
+
+def _state(summary: "Summary") -> str:
+    lost = f": {summary.holes.words()} cannot be read" if summary.holes else ""
+    if not summary.complete:
+        return f"torn, damaged or still being written{lost}"
+    if lost:
+        return f"damaged{lost}"
+    return "recovered, but not whole" if summary.lost else "complete"
 
 
 def _when(time_ns: int) -> str:

@@ -20,7 +20,7 @@ def recover(
 
     with reading(torn, "recovering", Console(stderr=True)):
         recovered = mend(torn, output)
-    typer.echo(
-        f"{recovered.messages} messages recovered into {recovered.path}; "
-        f"{recovered.lost_bytes} bytes at the end of {torn} could not be read"
+    lost = (
+        f"of {torn} {recovered.lost} could not be read" if recovered.lost else f"all of {torn} could be read"
     )
+    typer.echo(f"{recovered.messages} messages recovered into {recovered.path}; {lost}")

@@ -11,7 +11,7 @@ from vsensor.cli.overrides import changed, overridden
 from vsensor.cli.reading import reading
 from vsensor.cli.wide import wide_console
 from vsensor.config import Rig, load, loads
-from vsensor.errors import ConfigError, InputError
+from vsensor.errors import ConfigError, VsensorError
 
 if TYPE_CHECKING:
     from vsensor.recording.compare import Change, Comparison
@@ -40,10 +40,20 @@ def verify(
     if picture is not None and not picture.parent.is_dir():
         raise ConfigError(f"{picture}: there is no folder {picture.parent}")
     console = wide_console(soft_wrap=True, highlight=False, markup=False)
-    verdicts = [_verify(console, session, config, settings or [], picture) for session in sessions]
+    if config:
+        load(config)  # its faults are told once, not with each session
+    verdicts, refused = [], 0
+    for session in sessions:
+        try:
+            verdicts.append(_verify(console, session, config, settings or [], picture))
+        except VsensorError as error:
+            if len(sessions) == 1:
+                raise
+            refused += 1
+            typer.echo(f"error: {error}", err=True)
     as_recorded = config is None and not settings
     sound = all(verdict.exact or verdict.idle for verdict in verdicts) and any(v.exact for v in verdicts)
-    if as_recorded and not sound:
+    if refused or (as_recorded and not sound):
         raise typer.Exit(1)
 
 
@@ -70,8 +80,8 @@ def _verify(
         comparison = Comparison(ticks)
         verdict = compare(session, Otherwise(rig, recorded), strict=not differs, see=comparison.see)
         comparison.finish()
-    if not session.complete:
-        console.print(f"{path} is torn: what survives of it is verified")
+    if shortfall := session.shortfall():
+        console.print(f"{path} {shortfall}; what is left of it is verified")
     console.print(f"{path}: {_words(verdict, as_recorded=not differs)}")
     if differs:
         console.print("under", "\n      ".join(differs))
@@ -86,7 +96,7 @@ def _verify(
 
 def _recorded(session: "Session") -> Rig:
     if session.configuration is None:
-        raise InputError(f"{session.path}: holds no configuration, so that it cannot be run again")
+        raise session.lacks("holds no configuration, so that it cannot be run again")
     return loads(session.configuration, f"{session.path}: recorded configuration")
 
 

@@ -1,5 +1,6 @@
 """A session's messages in blocks: the bytes of some chunks, and where in them each message stands."""
 
+import struct
 from collections.abc import Iterable, Iterator
 from io import BytesIO
 from typing import NamedTuple
@@ -21,6 +22,10 @@ BLOCK_BYTES = 2 << 20
 """Messages of so many bytes are taken together: of fewer, NumPy's cost of a call would count."""
 
 
+_SEQUENCE = struct.Struct("<I16x")
+"""The end of a message's head: its number, and its two times."""
+
+
 class Block(NamedTuple):
     """Messages in the file's order. Their place is used again for the next block."""
 
@@ -28,6 +33,13 @@ class Block(NamedTuple):
     """The bytes of some chunks, unpacked."""
     messages: Places
     """What `layout` finds of each, shape (n, 5)."""
+
+    def records(self) -> Iterator[Message]:
+        """Yield the messages one by one."""
+        for channel, log_time, publish_time, start, end in self.messages.tolist():
+            (sequence,) = _SEQUENCE.unpack_from(self.data.data, start - _SEQUENCE.size)
+            data = self.data[start:end].tobytes()
+            yield Message(channel, log_time, data, publish_time, sequence)
 
 
 def blocks(scan: Scan) -> Iterator[Schema | Channel | Block]:
@@ -74,6 +86,7 @@ class _Place:
         room = self._room(RECORD_HEAD + MESSAGE_HEAD + len(message.data))
         self.used += len(room)
         start = self.used - len(message.data)
+        _SEQUENCE.pack_into(self._data.data, start - _SEQUENCE.size, message.sequence)
         self._data[start : self.used] = np.frombuffer(message.data, np.uint8)
         times = message.log_time, message.publish_time
         self._messages[self._found] = message.channel_id, *times, start, self.used

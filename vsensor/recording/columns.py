@@ -32,7 +32,6 @@ from vsensor.recording.layout import (
     gather_doubles,
 )
 from vsensor.recording.reader import Session
-from vsensor.recording.scan import Scan
 
 LARGEST = 1 << 24
 """Numbers in the lists of a block, all filled up to the longest: one long among many short is no profile."""
@@ -83,7 +82,7 @@ def read_columns(
     piece is absent from it. Raises InputError as `Session.messages` does;
     ValueError for a field that is neither a number nor a list of doubles.
     """
-    scan = Scan(session.path)
+    scan = session.scan()
     schemas: dict[int, Schema] = {}
     readers: dict[int, _Reader] = {}
     for record in blocks(scan):
@@ -99,8 +98,7 @@ def read_columns(
             read = {reader.topic: reader.read(record, scan.count, id_) for id_, reader in readers.items()}
             scan.count += len(record.messages)
             yield {topic: columns for topic, columns in read.items() if len(columns)}
-    if session.complete:
-        session.check_nothing_missed(scan)
+    session.account(scan)
 
 
 class _Reader:

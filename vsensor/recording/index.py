@@ -5,10 +5,10 @@ each second that was recorded.
 """
 
 import struct
+import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import (
     Attachment,
@@ -74,9 +74,18 @@ def read_index(file: WholeReads) -> Index | None:
             attachments.append(AttachmentIndex.read(Content(content)))
         elif opcode == Opcode.METADATA_INDEX:
             metadata.append(MetadataIndex.read(Content(content)))
-    index.noted += (Attachment.read(_at(file, at.offset, Opcode.ATTACHMENT)) for at in attachments)
-    index.noted += (Metadata.read(_at(file, at.offset, Opcode.METADATA)) for at in metadata)
+    index.noted += (attachment(_at(file, at.offset, Opcode.ATTACHMENT)) for at in attachments)
+    index.noted += (Metadata.read(Content(_at(file, at.offset, Opcode.METADATA))) for at in metadata)
     return index
+
+
+def attachment(content: memoryview) -> Attachment:
+    """An attachment of a record's content; ValueError where its checksum is that of another."""
+    read: Attachment = Attachment.read(Content(content))
+    checksum = int.from_bytes(content[-4:], "little")
+    if checksum and checksum != zlib.crc32(content[:-4]):
+        raise ValueError(f"the attachment {read.name} has another checksum than is noted")
+    return read
 
 
 def _until_footer(file: WholeReads) -> Iterator[tuple[int, memoryview]]:
@@ -93,9 +102,9 @@ def _note_places(index: Index, content: memoryview) -> None:
     index.last |= places
 
 
-def _at(file: WholeReads, place: int, expected: int) -> ReadDataStream:
+def _at(file: WholeReads, place: int, expected: int) -> memoryview:
     file.seek(place)
     opcode, content = file.record()
     if opcode != expected:
         raise ValueError(f"another record stands at byte {place} than its index says")
-    return Content(content)
+    return content

@@ -13,9 +13,9 @@ import sys
 from pathlib import Path
 
 from vsensor.errors import VsensorError
-from vsensor.recording.names import is_session_of, untaken
+from vsensor.recording.names import is_session_of, recovering, untaken
 from vsensor.recording.reader import Session
-from vsensor.recording.recover import RECOVERED_FROM, recover, recovering
+from vsensor.recording.writer import RECOVERED_FROM
 
 
 def torn(folder: Path, rig: str) -> list[Path]:
@@ -26,6 +26,9 @@ def torn(folder: Path, rig: str) -> list[Path]:
 
 def mend(part: Path) -> str:
     """Mend one; returns what became of it, in words."""
+    from vsensor.recording.recover import recover  # with Numba, which the recorder's process does not load
+    from vsensor.recording.survey import NothingLeftError
+
     path, kept = part.with_suffix(""), part.with_suffix(".torn")
     if _comes_of(path, part):
         part.rename(kept)
@@ -39,13 +42,16 @@ def mend(part: Path) -> str:
     recovering(output).unlink(missing_ok=True)
     try:
         recovered = recover(part, output)
+    except NothingLeftError as error:
+        part.rename(kept)
+        return f"{error}; it is kept as {kept.name}"
     except VsensorError as error:
         recovering(output).unlink(missing_ok=True)  # its room is wanted
         return f"{part} is torn and could not be mended, which is tried again at the next start: {error}"
     part.rename(kept)
     return (
-        f"{recovered.path} was torn and is mended: {recovered.messages} messages; the last "
-        f"{recovered.lost_bytes} bytes told nothing; the torn one is kept as {kept.name}"
+        f"{recovered.path} was torn and is mended: {recovered.messages} messages; "
+        f"{recovered.lost or 'nothing'} could not be read; the torn one is kept as {kept.name}"
     )
 
 

@@ -24,3 +24,8 @@ def untaken(path: Path) -> Path:
 def is_session_of(rig: str, name: str, ending: str = ".mcap") -> bool:
     """Whether a file's name is one that we give to a session of this rig; a snapshot's is not."""
     return bool(re.fullmatch(rf"{re.escape(rig)}-\d{{8}}T\d{{6}}Z(-\d+)?{re.escape(ending)}", name))
+
+
+def recovering(path: Path) -> Path:
+    """Where a session is written while it is mended: NAME.mcap.part may be the torn one itself."""
+    return path.with_name(f"{path.name}.recovering")

@@ -1,6 +1,7 @@
 """Sessions read back: whole ones, and torn ones as far as they go."""
 
 from collections.abc import Collection, Iterable, Iterator
+from itertools import takewhile
 from pathlib import Path
 from typing import NamedTuple
 
@@ -11,11 +12,18 @@ from mcap.well_known import MessageEncoding
 
 from vsensor.errors import InputError
 from vsensor.messages import SENSOR_STATE, SENSOR_TICK, SURFACE_TOPICS, Message, State, message_type
+from vsensor.recording.damage import Holes
 from vsensor.recording.index import Index, read_index
 from vsensor.recording.scan import Scan
 from vsensor.recording.summary import Summary, summarise
 from vsensor.recording.whole import WholeReads
-from vsensor.recording.writer import CONFIGURATION, METADATA, RECORDER
+from vsensor.recording.writer import (
+    CONFIGURATION,
+    COULD_NOT_BE_READ,
+    METADATA,
+    RECORDER,
+    RECOVERED_FROM,
+)
 
 _MAGIC = b"\x89MCAP0\r\n"
 _EXPECTED = "a session written by vsensor (NAME.mcap, or NAME.mcap.part where it was torn) was expected"
@@ -40,7 +48,8 @@ class Session:
     def __init__(self, path: Path) -> None:
         self.path = path
         _check_is_mcap(path)
-        self.complete, self._index, found = _open(path)
+        self.complete, self.index, self.holes, found = _open(path)
+        """Its end, where it has one; and where it could not be read, as far as it has been."""
         attached = [r for r in found if isinstance(r, Attachment) and r.name == CONFIGURATION]
         notes = {r.name: r.metadata for r in found if isinstance(r, Metadata)}
         self.configuration = attached[0].data.decode(errors="replace") if attached else None
@@ -55,10 +64,10 @@ class Session:
         are passed over, and what was received before `since_ns`, of which an index spares the reading.
         Raises InputError for a message that cannot be decoded, and for damage within a complete file.
         """
-        scan = Scan(self.path)
+        scan = self.scan()
         kinds: dict[str, type[Message] | None] = {}
         numbers: dict[str, int] = {}
-        for schema, channel, message in scan.messages(since_ns, self._index):
+        for schema, channel, message in scan.messages(since_ns, self.index):
             topic = channel.topic
             if message.log_time < since_ns or (topics is not None and topic not in topics):
                 continue
@@ -76,8 +85,8 @@ class Session:
                     f"cannot be decoded as {kind.DESCRIPTOR.full_name}: {error}"
                 ) from error
             yield Record(topic, decoded, message.log_time, message.publish_time)
-        if self.complete and not since_ns:
-            self.check_nothing_missed(scan)
+        if not since_ns:
+            self.account(scan)
 
     def state(self) -> State | None:
         """What the recording sensor remembered at the start; None where the session does not tell."""
@@ -86,13 +95,43 @@ class Session:
 
     def summary(self) -> Summary:
         """What is in it; instant for a complete session, one reading of the file for a torn one."""
-        return summarise(self.path, self._index, self.complete, self.metadata, self.recorder)
+        return summarise(self.path, self.index, self.complete, self.holes, self.metadata, self.recorder)
 
-    def check_nothing_missed(self, scan: Scan) -> None:
-        """A damaged length makes the library pass over what follows, so the index's count is asked too."""
-        counted = (
-            self._index.statistics.message_count if self._index and self._index.statistics else scan.count
+    def shortfall(self) -> str:
+        """In words, why what can be read of it is not all; nothing of a whole one."""
+        lost = f"{self.holes.words()} cannot be read" if self.holes else ""
+        said = []
+        if not self.complete:
+            said.append(f"is torn, damaged or still being written{lost and f': {lost}'}")
+        elif lost:
+            said.append(f"is damaged: {lost}")
+        if COULD_NOT_BE_READ in self.metadata:
+            origin = self.metadata.get(RECOVERED_FROM, "another")
+            said.append(
+                f"was recovered from {origin}, of which {self.metadata[COULD_NOT_BE_READ]} could not be read"
+            )
+        return "; it ".join(said)
+
+    def lacks(self, what: str) -> InputError:
+        """The error that something is missing in it, which names the damage that may have taken it."""
+        shortfall = self.shortfall()
+        return InputError(
+            f"{self.path}: {shortfall}; what is left of it {what}" if shortfall else f"{self.path}: {what}"
         )
+
+    def scan(self) -> Scan:
+        """A reading of it: of a complete one up to damage, of a torn one past it."""
+        return Scan(self.path, through=not self.complete)
+
+    def account(self, scan: Scan) -> None:
+        """Note what a reading to the end could not read; InputError where a complete session misses anything.
+
+        A damaged length makes it pass over what follows, so the index's count is asked too.
+        """
+        if not self.complete:
+            self.holes = scan.holes
+            return
+        counted = self.index.statistics.message_count if self.index and self.index.statistics else scan.count
         if scan.finished and scan.count == counted:
             return
         raise InputError(
@@ -144,23 +183,21 @@ def _check_is_mcap(path: Path) -> None:
         raise InputError(f"{path}: is no MCAP file (it begins with {start!r}); {_EXPECTED}")
 
 
-def _open(path: Path) -> tuple[bool, Index | None, list[McapRecord]]:
-    """Whether the file is complete, its index if it has one, and what it says of itself."""
+def _open(path: Path) -> tuple[bool, Index | None, Holes, list[McapRecord]]:
+    """Whether the file is complete, its index if it has one, what is damaged, and what it says of itself."""
     try:
         with WholeReads(path) as file:
             index = read_index(file)
     except Exception:  # whatever is met in a torn index: the file is not complete
-        return False, None, list(_before_messages(path))
+        return False, None, *_before_messages(path)
     if index is None:
-        return True, None, list(_before_messages(path))
-    return True, index, [*index.noted, *index.schemas.values(), *index.channels.values()]
+        return True, None, *_before_messages(path)
+    return True, index, Holes(), [*index.noted, *index.schemas.values(), *index.channels.values()]
 
 
-def _before_messages(path: Path) -> Iterator[McapRecord]:
-    for record in Scan(path).records():
-        if isinstance(record, McapMessage):
-            return
-        yield record
+def _before_messages(path: Path) -> tuple[Holes, list[McapRecord]]:
+    scan = Scan(path, through=True)
+    return scan.holes, list(takewhile(lambda record: not isinstance(record, McapMessage), scan.records()))
 
 
 def _described(channel: Channel, schema: Schema | None) -> str:

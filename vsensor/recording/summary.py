@@ -8,9 +8,11 @@ from mcap.opcode import Opcode
 from mcap.records import MessageIndex
 
 from vsensor.errors import InputError
+from vsensor.recording.damage import Holes
 from vsensor.recording.index import Index
 from vsensor.recording.scan import Scan
 from vsensor.recording.whole import Content, WholeReads
+from vsensor.recording.writer import COULD_NOT_BE_READ
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,12 +38,18 @@ class Summary:
     path: Path
     complete: bool
     size_bytes: int
-    torn_bytes: int
+    holes: Holes
+    """Where it could not be read, as far as it was."""
     rig: str
     topics: tuple[TopicSummary, ...]
     dropped: int | None
     metadata: Mapping[str, str]
     recorder: Mapping[str, str]
+
+    @property
+    def lost(self) -> str:
+        """What could not be read of the session of which this one was recovered, in words."""
+        return self.metadata.get(COULD_NOT_BE_READ, "")
 
     @property
     def messages(self) -> int:
@@ -60,19 +68,23 @@ class Summary:
 
 
 def summarise(
-    path: Path, index: Index | None, complete: bool, metadata: Mapping[str, str], recorder: Mapping[str, str]
+    path: Path,
+    index: Index | None,
+    complete: bool,
+    holes: Holes,
+    metadata: Mapping[str, str],
+    recorder: Mapping[str, str],
 ) -> Summary:
     """Sum a session up: from its index if it has one, else by reading it through."""
-    size = path.stat().st_size
     try:
-        topics, whole = _from_index(path, index), size
+        topics = _from_index(path, index)
     except Exception:  # no index, or not a sound one: what it says cannot be followed
-        topics, whole = _from_scan(path)
+        topics, holes = _from_scan(path)
     return Summary(
         path=path,
         complete=complete,
-        size_bytes=size,
-        torn_bytes=0 if complete else size - whole,
+        size_bytes=path.stat().st_size,
+        holes=holes,
         rig=metadata.get("rig", ""),
         topics=tuple(sorted(topics, key=lambda topic: topic.topic)),
         dropped=_dropped(recorder),
@@ -106,10 +118,10 @@ def _times(file: WholeReads, place: int) -> list[int]:
     return [time for time, _ in MessageIndex.read(Content(content)).records] if is_index else []
 
 
-def _from_scan(path: Path) -> tuple[list[TopicSummary], int]:
+def _from_scan(path: Path) -> tuple[list[TopicSummary], Holes]:
     found: dict[str, TopicSummary] = {}
-    scan = Scan(path)
+    scan = Scan(path, through=True)
     for _, channel, message in scan.messages():
         known = found.get(channel.topic) or TopicSummary(channel.topic, 0, message.log_time, 0)
         found[channel.topic] = replace(known, messages=known.messages + 1, last_ns=message.log_time)
-    return list(found.values()), scan.whole_bytes
+    return list(found.values()), scan.holes

@@ -115,13 +115,15 @@ class _Run:
         self._knows = False
 
     def state(self, state: State) -> None:
-        if self._knows:
+        if self._knows and state.number in (self._expected, 0):
             return
         try:
             self._machine.take_up(state)
         except ValueError as error:
             self._verdict.misfit = self._verdict.misfit or str(error)
         else:
+            if self._knows:  # what was lost ends here, as no tick has told yet
+                self._verdict.gaps.append(Gap(self._expected, state.number))
             self._knows = True
             self._expected = state.number
 

@@ -1,6 +1,7 @@
 """Reads that give all the bytes asked for, or none: what a record of a file that is torn needs."""
 
 import io
+import os
 import struct
 from pathlib import Path
 from types import TracebackType
@@ -20,7 +21,8 @@ class WholeReads:
 
     def __init__(self, path: Path) -> None:
         self._file = io.FileIO(path)
-        self._size = path.stat().st_size
+        self.size = path.stat().st_size
+        """Bytes of the file."""
         self._room = memoryview(bytearray(ROOM_BYTES))
         self._begin = 0
         """Where in the file the room begins;"""
@@ -46,9 +48,9 @@ class WholeReads:
 
     def seek_from_end(self, count: int) -> None:
         """Go to where so many bytes are left; EndOfFile where there never were so many."""
-        if count > self._size:
+        if count > self.size:
             raise EndOfFile
-        self.seek(self._size - count)
+        self.seek(self.size - count)
 
     def read(self, count: int) -> bytes:
         """Read so much; EndOfFile where so much is not left."""
@@ -71,6 +73,10 @@ class WholeReads:
         self._at += count
         return opcode, content
 
+    def peek(self, place: int, count: int) -> bytes:
+        """The bytes at another place, fewer where the file ends; the next read is not moved."""
+        return os.pread(self._file.fileno(), count, place)
+
     def pass_over(self, opcode: int) -> None:
         """Pass over the records of this kind that come next, as far as they are in the room."""
         room, at, end = self._room, self._at, self._end - HEAD.size
@@ -83,7 +89,7 @@ class WholeReads:
 
     def _hold(self, count: int) -> None:
         """Have so many bytes in the room from here on."""
-        if count > self._size - self.tell():  # asked of us by a damaged length: do not make room for it
+        if count > self.size - self.tell():  # asked of us by a damaged length: do not make room for it
             raise EndOfFile
         held = self._room[self._at : self._end]
         room = self._room if count <= len(self._room) else memoryview(bytearray(count))

@@ -30,6 +30,12 @@ METADATA = "vsensor"
 RECORDER = "recorder"
 """The metadata record at the end: how much was written, how much dropped, how it ended."""
 
+RECOVERED_FROM = "recovered_from"
+"""In a mended session's metadata: the name of the torn one;"""
+
+COULD_NOT_BE_READ = "could_not_be_read"
+"""and how much of it, and where."""
+
 CHUNK_BYTES = 256 * 1024
 """Small enough that compressing one (some ms) does not let the queue before it fill."""
 
