@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
+from vsensor.cli.options import NULL
 from vsensor.cli.reading import reading
 from vsensor.config import Rig, load, loads
 from vsensor.errors import ConfigError, InputError
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from vsensor.messages import Event, Sample
     from vsensor.offline import Offline
     from vsensor.service.engine import Engine
+
+Nulls = tuple[float, ...]
 
 
 def estimate(
@@ -34,6 +37,7 @@ def estimate(
             help="Without, the forecast is left out, which takes 0.75 of the time; all else stays the same.",
         ),
     ] = True,
+    null: Annotated[list[float], NULL] = [],  # noqa: B006, typer copies it
 ) -> None:
     """Estimate the bit from recorded surface samples."""
     from vsensor.tables import check_writable
@@ -49,7 +53,7 @@ def estimate(
         check_writable(output)  # before the work, not after
     console = Console(highlight=False, markup=False, soft_wrap=True)
     with reading(source, "estimating", console):
-        ticks = write(rig, source, output, forecast, console)
+        ticks = write(rig, source, output, forecast, tuple(null), console)
     console.print(f"{ticks} ticks estimated into {output}")
 
 
@@ -77,35 +81,37 @@ def _is_session(source: Path) -> bool:
     return ".mcap" in (suffix.lower() for suffix in source.suffixes)
 
 
-def _feed(source: Path, forecast: bool, sensor: "Offline | None" = None) -> "Feed":
+def _feed(source: Path, forecast: bool, nulls: Nulls, sensor: "Offline | None" = None) -> "Feed":
     """Samples by columns and, of a session, what else the sensor was told between them.
 
     Depths that change nothing for a `sensor` are given to it at once. Where no forecast is wanted, nothing
-    tells of when there was time for one.
+    tells of when there was time for one. What looks odd in a table goes to standard error.
     """
     from vsensor.intake import FORECAST_SHED, OBEYED
     from vsensor.intake.arrivals import Arrivals
     from vsensor.recording.feed import feed
     from vsensor.recording.reader import Session
-    from vsensor.tables import surface_pieces
+    from vsensor.tables import Findings, Layout, surface_pieces
 
     if _is_session(source):
         settling = (sensor.intake.depths.settles,) if sensor else ()
         obeyed = [name for name in OBEYED if forecast or name != FORECAST_SHED]
         yield from feed(Session(source), obeyed, *settling)
         return
-    torque, speed = 0, 0
-    for table in surface_pieces(source, as_it_came=True):
+    torque, speed, findings = 0, 0, Findings()
+    for table in surface_pieces(source, Layout(nulls=nulls), as_it_came=True, findings=findings):
         first = torque, speed
         yield Arrivals.in_turn(table.time_ns, table.motor_torque_nm, table.motor_speed_rad_s, first)
         torque, speed = torque + table.samples[0], speed + table.samples[1]
+    for line in findings.words():
+        typer.echo(f"{source}: {line}", err=True)
 
 
-def _samples(source: Path, forecast: bool) -> "Iterator[tuple[str, Sample | Event]]":
+def _samples(source: Path, forecast: bool, nulls: Nulls) -> "Iterator[tuple[str, Sample | Event]]":
     """The same one by one."""
     from vsensor.intake.arrivals import Arrivals
 
-    for come in _feed(source, forecast):
+    for come in _feed(source, forecast, nulls):
         if isinstance(come, Arrivals):
             yield from come.samples()
         else:
@@ -130,14 +136,14 @@ def _take_up(source: Path, engine: "Engine | Offline", console: Console) -> None
         console.print(f"{source}: what the sensor remembered at the start is left aside: {error}")
 
 
-def _to_table(rig: Rig, source: Path, output: Path, forecast: bool, console: Console) -> int:
+def _to_table(rig: Rig, source: Path, output: Path, forecast: bool, nulls: Nulls, console: Console) -> int:
     from vsensor.offline import Offline
     from vsensor.tables import ESTIMATE_FIELDS, TableWriter
 
     sensor = Offline(rig)
     _begin(source, sensor, forecast, console)
     with TableWriter(output, tuple(ESTIMATE_FIELDS)) as writer:
-        for columns in sensor.estimates(_feed(source, forecast, sensor)):
+        for columns in sensor.estimates(_feed(source, forecast, nulls, sensor)):
             writer.write(columns)
         _tell_refused(sensor, rig, console)
         if writer.rows == 0:
@@ -145,7 +151,7 @@ def _to_table(rig: Rig, source: Path, output: Path, forecast: bool, console: Con
     return writer.rows
 
 
-def _to_session(rig: Rig, source: Path, output: Path, forecast: bool, console: Console) -> int:
+def _to_session(rig: Rig, source: Path, output: Path, forecast: bool, nulls: Nulls, console: Console) -> int:
     from vsensor import checkpoint
     from vsensor.config import effective_toml
     from vsensor.messages import BIT_ESTIMATE, SENSOR_STATE, SENSOR_TICK
@@ -164,7 +170,7 @@ def _to_session(rig: Rig, source: Path, output: Path, forecast: bool, console: C
         compression=rig.recording.compression,
     ) as writer:
         writer.write(SENSOR_STATE, begun.SerializeToString(), begun.time_ns, begun.time_ns)
-        for topic, sample in _samples(source, forecast):
+        for topic, sample in _samples(source, forecast, nulls):
             writer.write(topic, sample.SerializeToString(), sample.time_ns, sample.time_ns)
             for tick, told in engine.take(topic, sample):
                 writer.write(SENSOR_TICK, tick.SerializeToString(), tick.time_ns, tick.time_ns)
