@@ -67,7 +67,7 @@ def test_what_may_stand_for_no_value_is_said_and_taken_for_none_where_asked(
     (tmp_path / "log.csv").write_text(HEADER + "".join(rows))
     (tmp_path / "rig.toml").write_text(effective_toml(SHORT))
     rig = [tmp_path / "rig.toml"] if command == "estimate" else []
-    words = (command, tmp_path / "log.csv", *rig)
+    words: list[str | Path] = [command, tmp_path / "log.csv", *rig]
     done = vsensor(*words, "-o", tmp_path / "a.mcap")
     assert done.exit_code == 0, done.output
     hint = "1 cell of motor_torque_nm is -999.25: if that stands for no value, --null -999.25"

@@ -4,6 +4,7 @@ Samples, quantities, configurations and torn sessions have their own: test_messa
 test_config_faults, test_recording_torn.
 """
 
+import io
 import json
 import math
 import struct
@@ -45,7 +46,7 @@ VERBS = (
     "ft",
     "1e400",
 )
-KINDS = ("csv", "parquet", "feather")
+KINDS = ("csv", "parquet", "feather", "npz")
 FOLDER: list[Path] = []
 
 
@@ -73,6 +74,10 @@ def surface_table() -> pa.Table:
 
 
 def written(kind: str) -> bytes:
+    if kind == "npz":
+        archive = io.BytesIO()
+        np.savez(archive, **{name: np.array(column) for name, column in surface_table().to_pydict().items()})
+        return archive.getvalue()
     sink = pa.BufferOutputStream()
     if kind == "csv":
         arrow_csv.write_csv(surface_table(), sink)
