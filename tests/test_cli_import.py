@@ -79,6 +79,12 @@ def test_what_may_stand_for_no_value_is_said_and_taken_for_none_where_asked(
     assert (len(found[SURFACE_TORQUE]), len(found[SURFACE_SPEED])) == (len(rows) - 1, len(rows))
 
 
+def test_of_a_session_no_number_stands_for_no_value(tmp_path: Path) -> None:
+    session(tmp_path / "a.mcap")
+    done = vsensor("estimate", tmp_path / "a.mcap", "--null", "-999", "-o", tmp_path / "b.csv")
+    assert (done.exit_code, "--null is for a table" in done.stderr) == (2, True)
+
+
 def test_a_channel_without_any_value_is_said(tmp_path: Path) -> None:
     done = imported(tmp_path, HEADER + "0,1,\n1,1,\n")
     assert done.exit_code == 0

@@ -76,7 +76,8 @@ def surface_table() -> pa.Table:
 def written(kind: str) -> bytes:
     if kind == "npz":
         archive = io.BytesIO()
-        np.savez(archive, **{name: np.array(column) for name, column in surface_table().to_pydict().items()})
+        times, torque, speed = map(np.asarray, surface_table().columns)
+        np.savez(archive, time_s=times, motor_torque_nm=torque, motor_speed_rad_s=speed)
         return archive.getvalue()
     sink = pa.BufferOutputStream()
     if kind == "csv":

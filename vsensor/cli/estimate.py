@@ -23,7 +23,7 @@ Nulls = tuple[float, ...]
 
 def estimate(
     source: Annotated[
-        Path, typer.Argument(metavar="INPUT", help="Samples: .mcap, .csv, .parquet or .feather.")
+        Path, typer.Argument(metavar="INPUT", help="Samples: .mcap, .csv, .parquet, .feather or .npz.")
     ],
     config: Annotated[
         Path | None, typer.Argument(help="The rig; for a session, by default, the one recorded in it.")
@@ -47,6 +47,8 @@ def estimate(
         raise ConfigError(f"{output}: estimates go into {', '.join(SINKS)} or .mcap: end its name so")
     if output.exists() and source.exists() and output.samefile(source):
         raise ConfigError(f"{output}: is what is read: choose another name for the estimates")
+    if null and _is_session(source):
+        raise ConfigError(f"{source}: is a session: --null is for a table")
     rig = _rig(source, config)
     write = _to_session if output.suffix == ".mcap" else _to_table
     if write is _to_table:

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
 def import_(
     source: Annotated[
-        Path, typer.Argument(metavar="INPUT", help="Surface samples: .csv, .parquet, .feather, .arrow.")
+        Path,
+        typer.Argument(metavar="INPUT", help="Surface samples: .csv, .parquet, .feather, .arrow, .npz."),
     ],
     output: Annotated[Path, typer.Option("-o", "--output", help="The session: .mcap.")],
     rig: Annotated[str, typer.Option(help="The rig's name; by default the configuration's.")] = "",
