@@ -130,7 +130,7 @@ def test_a_header_further_down_is_found_and_said(tmp_path: Path) -> None:
 @pytest.mark.parametrize("line", ["s,kN.m,rpm", ",[kN·m],(rpm)", '"","kN*m","rpm"'])
 def test_a_line_of_units_is_named_and_read_where_asked(tmp_path: Path, line: str) -> None:
     path = csv_file(tmp_path, UNITS + line + "\n0,2,60\n1,3,120\n2,x,0\n")
-    with pytest.raises(InputError, match=r"line 2: .* a line of units: vsensor import --units-line"):
+    with pytest.raises(InputError, match=r"line 2: .* a line of units. vsensor import --units-line"):
         read_surface(path, NAMED)
     told = Layout(time="Time", torque="STOR", speed="RPM", head=Head(units=True))
     with pytest.raises(InputError, match="line 5: STOR is 'x'"):

@@ -46,10 +46,7 @@ def check_columns(path: Path, names: Mapping[str, str], present: Sequence[str], 
     """Raise InputError for what is not there, or more than once: with what is there, and what would help."""
     for name, option in names.items():
         if present.count(name) != 1:
-            missing = name not in present
-            fault = "no column" if missing else "more than one column"
+            fault = "no column" if name not in present else "more than one column"
             there = ", ".join(map(repr, present))
-            help_ = (
-                hint or f"vsensor import {option} names another" if missing else "name the one that counts"
-            )
-            raise InputError(f"{path}: has {fault} {name!r}; its columns are: {there:.300}: {help_}")
+            helps = "" if name in present else f": {hint or f'vsensor import {option} names another'}"
+            raise InputError(f"{path}: has {fault} {name!r}; its columns are: {there:.300}{helps}")

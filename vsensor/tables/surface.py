@@ -187,9 +187,7 @@ class _Batch:
         return told if is_text(told) else f"{told.removesuffix('.0')} {self.layout.form.unit or 's'}"
 
     def fault(self, row: int, fault: str) -> InputError:
-        hint = (
-            ": it looks like a line of units: vsensor import --units-line" if self._tells_units(row) else ""
-        )
+        hint = ": is it a line of units? vsensor import --units-line" if self._tells_units(row) else ""
         return InputError(f"{self.source.path}, {self.source.place(self.first + row)}: {fault}{hint}")
 
     def _tells_units(self, row: int) -> bool:
