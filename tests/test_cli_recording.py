@@ -81,8 +81,8 @@ def test_export_of_the_surface_gives_the_table_back(session: Path, tmp_path: Pat
     assert (done.exit_code, "200 rows" in done.output) == (0, True)
     header, *back = (tmp_path / "b.csv").read_text().splitlines()
     header_sent, *sent = (tmp_path / "a.csv").read_text().splitlines()
-    assert header == header_sent
-    assert [[float(text) for text in row.split(",")] for row in back] == [
+    assert header == f"{header_sent},time_ns"
+    assert [[float(text) for text in row.split(",")[:3]] for row in back] == [
         [float(text) for text in row.split(",")] for row in sent
     ]
 
@@ -101,7 +101,7 @@ def test_export_says_where_one_channel_stands_alone(tmp_path: Path) -> None:
         writer.write(SURFACE_TORQUE, Sample(time_ns=0, value=1).SerializeToString(), 0, 0)
     done = vsensor("export", tmp_path / "a.mcap", "-o", tmp_path / "b.csv", "--surface")
     assert "1 rows have a sample of one channel alone" in done.output
-    assert (tmp_path / "b.csv").read_text().splitlines()[1] == "0,1,"
+    assert (tmp_path / "b.csv").read_text().splitlines()[1] == "0,1,,0"
 
 
 def test_info_tells_what_is_in_it(session: Path) -> None:

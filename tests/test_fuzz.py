@@ -4,6 +4,7 @@ Samples, quantities, configurations and torn sessions have their own: test_messa
 test_config_faults, test_recording_torn.
 """
 
+import io
 import json
 import math
 import struct
@@ -45,7 +46,7 @@ VERBS = (
     "ft",
     "1e400",
 )
-KINDS = ("csv", "parquet", "feather")
+KINDS = ("csv", "parquet", "feather", "npz")
 FOLDER: list[Path] = []
 
 
@@ -73,6 +74,11 @@ def surface_table() -> pa.Table:
 
 
 def written(kind: str) -> bytes:
+    if kind == "npz":
+        archive = io.BytesIO()
+        times, torque, speed = map(np.asarray, surface_table().columns)
+        np.savez(archive, time_s=times, motor_torque_nm=torque, motor_speed_rad_s=speed)
+        return archive.getvalue()
     sink = pa.BufferOutputStream()
     if kind == "csv":
         arrow_csv.write_csv(surface_table(), sink)

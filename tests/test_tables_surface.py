@@ -130,7 +130,7 @@ def test_other_names_and_units(tmp_path: Path) -> None:
         (HEADER.encode() + b"0,1\xff,2\n", "is not UTF-8: save it as UTF-8"),
         ((HEADER + "0,1,2\n").encode("utf-16"), "is not UTF-8: save it as UTF-8"),
         ("Zéit,M,n\n0,1,2\n".encode("latin-1"), "is not UTF-8: save it as UTF-8"),
-        (HEADER.replace(",", ";") + "0;1,5;2\n", "line 2: motor_torque_nm is '1,5': .* a point, such as 1.5"),
+        (HEADER + '0,"1,5",2\n', "line 2: motor_torque_nm is '1,5': .* a point, such as 1.5"),
         ("x" * 200_000, "is no CSV table: field larger"),
     ],
 )

@@ -29,6 +29,15 @@ FOOT_POUND = 0.3048 * 4.4482216152605
         ("8 kft*lbf", "N*m", 8000 * FOOT_POUND),
         ("8 kft-lbf", "N*m", 8000 * FOOT_POUND),
         ("8 kft·lbf", "N*m", 8000 * FOOT_POUND),
+        ("8 ft.lbf", "N*m", 8 * FOOT_POUND),
+        ("8 ft-lbs", "N*m", 8 * FOOT_POUND),
+        ("8 ft-lb", "N*m", 8 * FOOT_POUND),
+        ("8 kft-lb", "N*m", 8000 * FOOT_POUND),
+        ("8 kft·lb", "N*m", 8000 * FOOT_POUND),
+        ("120 1/min", "rad/s", 4 * math.pi),
+        ("120 r/min", "rad/s", 4 * math.pi),
+        ("120 min⁻¹", "rad/s", 4 * math.pi),
+        ("120 rev·min⁻¹", "rad/s", 4 * math.pi),
         ("10 kN·m", "N*m", 1e4),
         ("10 kN⋅m", "N*m", 1e4),
         ("10 kN.m", "N*m", 1e4),
@@ -62,6 +71,7 @@ def test_a_quantity_is_read_as_written_on_a_rig(text: object, unit: str, si: flo
         ("1,5 m", "m", "a point"),
         ("19.5 lb/ft", "m", "1 m"),
         ("5 kN", "N*m", "1 N*m"),
+        ("8 ft*lb", "N*m", "1 N*m"),  # a mass
         ("2 Hz", "rad/s", "1 rad/s"),  # Pint would take it for 2 rad/s
         ("120 rpm", "Hz", "1 Hz"),
         ("2 ft 3 in", "m", "1 m"),
@@ -102,6 +112,7 @@ def test_a_bare_number_is_si_already(number: float) -> None:
 
 
 def test_factors() -> None:
+    assert factor("1/min", "rad/s") == pytest.approx(2 * math.pi / 60)
     assert factor("rad/s", "rpm") == pytest.approx(60 / (2 * math.pi))
     assert factor("N*m", "kft*lbf") == pytest.approx(1 / (1000 * FOOT_POUND))
     with pytest.raises(ValueError, match="does not measure in rpm"):

@@ -9,14 +9,17 @@ import pint
 
 # Pint on its own reads «9 5/8 in» as 9 · 5 / 8 in, «5″» as a bare 5 and «Nm» as a unit of yarn, each
 # without a word. So a quantity is one number and one plain product of units; nothing else reaches Pint.
-_QUANTITY = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(\D.*)?", re.DOTALL)
+_QUANTITY = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(1/min|\D.*)?", re.DOTALL)
 _UNIT = re.compile(r"(?:[A-Za-zµμ_]+(?:(?:\^|\*\*)-?[0-9](?![0-9]))?|[*/()\s])+")
 _FRACTION = re.compile(r"([0-9]+\s+|)([0-9]{1,3})/([1-9][0-9]{0,2})\s*([^0-9]*)")
 
 # As typed on a rig, and as Pint calls it: raised figures, dots and hyphens between units, inch marks, «kNm».
+# Of «ft-lb» the pound is one of force, and «1/min» alone are turns.
 _RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _SPELLINGS = (
     (re.compile(r"[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+"), lambda found: "^" + found[0].translate(_RAISED)),
+    (re.compile(r"\b(k?)ft[-.·⋅]lbs?\b"), lambda found: f"{found[1]}ft*lbf"),
+    (re.compile(r"^\s*(?:[1r]/min|min\^-1)\s*$"), lambda _: "rpm"),
     (re.compile(r"[·⋅×∙•]|(?<=[A-Za-z])[-.](?=[A-Za-z])"), lambda _: "*"),
     (re.compile(r"°"), lambda _: "degree"),
     (re.compile(r"[\"″]"), lambda _: "inch"),

@@ -2,11 +2,12 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 from rich.console import Console
 
+from vsensor.cli.options import NULL
 from vsensor.cli.reading import reading
 from vsensor.config import Rig, load, loads
 from vsensor.errors import ConfigError, InputError
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 def estimate(
     source: Annotated[
-        Path, typer.Argument(metavar="INPUT", help="Samples: .mcap, .csv, .parquet or .feather.")
+        Path, typer.Argument(metavar="INPUT", help="Samples: .mcap, .csv, .parquet, .feather or .npz.")
     ],
     config: Annotated[
         Path | None, typer.Argument(help="The rig; for a session, by default, the one recorded in it.")
@@ -35,6 +36,7 @@ def estimate(
             help="Without, the forecast is left out, which takes 0.75 of the time; all else stays the same.",
         ),
     ] = True,
+    null: Annotated[list[float], NULL] = [],  # noqa: B006, typer copies it
 ) -> None:
     """Estimate the bit from recorded surface samples."""
     from vsensor.tables import check_writable
@@ -44,20 +46,27 @@ def estimate(
         raise ConfigError(f"{output}: estimates go into {', '.join(SINKS)} or .mcap: end its name so")
     if output.exists() and source.exists() and output.samefile(source):
         raise ConfigError(f"{output}: is what is read: choose another name for the estimates")
-    read, rig = _opened(source, config)
+    read, rig = _opened(source, config, tuple(null))
     write = _to_session if output.suffix == ".mcap" else _to_table
     if write is _to_table:
         check_writable(output)  # before the work, not after
     console = Console(highlight=False, markup=False, soft_wrap=True)
     with reading(source, "estimating", console):
         ticks = write(rig, read, output, forecast, console)
-    if not isinstance(read, Path) and (shortfall := read.shortfall()):
+    if not isinstance(read, Table) and (shortfall := read.shortfall()):
         typer.echo(f"{source} {shortfall}; what is left of it is estimated", err=True)
     console.print(f"{ticks} ticks estimated into {output}")
 
 
-def _opened(source: Path, config: Path | None) -> "tuple[Path | Session, Rig]":
-    """The table's path, or the session opened; and the rig."""
+class Table(NamedTuple):
+    """A table to be read, and the numbers in it that stand for none."""
+
+    path: Path
+    nulls: tuple[float, ...]
+
+
+def _opened(source: Path, config: Path | None, nulls: tuple[float, ...]) -> "tuple[Table | Session, Rig]":
+    """The table, or the session opened; and the rig."""
     from vsensor.recording.reader import Session
     from vsensor.tables.sources import source_of
 
@@ -69,7 +78,9 @@ def _opened(source: Path, config: Path | None) -> "tuple[Path | Session, Rig]":
                 f"{source}: a table holds no configuration: name one, as in\n"
                 f"  vsensor estimate {source} RIG.toml -o OUTPUT"
             )
-        return source, rig
+        return Table(source, nulls), rig
+    if nulls:
+        raise ConfigError(f"{source}: is a session: --null is for a table")
     session = Session(source)
     if rig is None and session.configuration is None:
         raise ConfigError(str(session.lacks("holds no configuration: name one behind it")))
@@ -81,7 +92,7 @@ def _is_session(source: Path) -> bool:
     return ".mcap" in (suffix.lower() for suffix in source.suffixes)
 
 
-def _feed(source: "Path | Session", forecast: bool, sensor: "Offline | None" = None) -> "Feed":
+def _feed(source: "Table | Session", forecast: bool, sensor: "Offline | None" = None) -> "Feed":
     """Samples by columns and, of a session, what else the sensor was told between them.
 
     Depths that change nothing for a `sensor` are given to it at once. Where no forecast is wanted, nothing
@@ -90,21 +101,23 @@ def _feed(source: "Path | Session", forecast: bool, sensor: "Offline | None" = N
     from vsensor.intake import FORECAST_SHED, OBEYED
     from vsensor.intake.arrivals import Arrivals
     from vsensor.recording.feed import feed
-    from vsensor.tables import surface_pieces
+    from vsensor.tables import Findings, Layout, surface_pieces
 
-    if not isinstance(source, Path):
+    if not isinstance(source, Table):
         settling = (sensor.intake.depths.settles,) if sensor else ()
         obeyed = [name for name in OBEYED if forecast or name != FORECAST_SHED]
         yield from feed(source, obeyed, *settling)
         return
-    torque, speed = 0, 0
-    for table in surface_pieces(source, as_it_came=True):
+    torque, speed, findings = 0, 0, Findings()
+    for table in surface_pieces(source.path, Layout(nulls=source.nulls), as_it_came=True, findings=findings):
         first = torque, speed
         yield Arrivals.in_turn(table.time_ns, table.motor_torque_nm, table.motor_speed_rad_s, first)
         torque, speed = torque + table.samples[0], speed + table.samples[1]
+    for line in findings.words():
+        typer.echo(f"{source.path}: {line}", err=True)
 
 
-def _samples(source: "Path | Session", forecast: bool) -> "Iterator[tuple[str, Sample | Event]]":
+def _samples(source: "Table | Session", forecast: bool) -> "Iterator[tuple[str, Sample | Event]]":
     """The same one by one."""
     from vsensor.intake.arrivals import Arrivals
 
@@ -115,9 +128,9 @@ def _samples(source: "Path | Session", forecast: bool) -> "Iterator[tuple[str, S
             yield come
 
 
-def _begin(source: "Path | Session", engine: "Engine | Offline", forecast: bool, console: Console) -> None:
+def _begin(source: "Table | Session", engine: "Engine | Offline", forecast: bool, console: Console) -> None:
     """Let a later part of a recording go on from what the sensor remembered at its start."""
-    if not isinstance(source, Path):
+    if not isinstance(source, Table):
         _take_up(source, engine, console)
     engine.intake.forecast_shed |= not forecast
 
@@ -132,7 +145,7 @@ def _take_up(session: "Session", engine: "Engine | Offline", console: Console) -
         console.print(f"{session.path}: what the sensor remembered at the start is left aside: {error}")
 
 
-def _to_table(rig: Rig, source: "Path | Session", output: Path, forecast: bool, console: Console) -> int:
+def _to_table(rig: Rig, source: "Table | Session", output: Path, forecast: bool, console: Console) -> int:
     from vsensor.offline import Offline
     from vsensor.tables import ESTIMATE_FIELDS, TableWriter
 
@@ -147,7 +160,7 @@ def _to_table(rig: Rig, source: "Path | Session", output: Path, forecast: bool, 
     return writer.rows
 
 
-def _to_session(rig: Rig, source: "Path | Session", output: Path, forecast: bool, console: Console) -> int:
+def _to_session(rig: Rig, source: "Table | Session", output: Path, forecast: bool, console: Console) -> int:
     from vsensor import checkpoint
     from vsensor.config import effective_toml
     from vsensor.messages import BIT_ESTIMATE, SENSOR_STATE, SENSOR_TICK
@@ -195,6 +208,6 @@ def _tell_refused(sensor: "Engine | Offline", rig: Rig, console: Console) -> Non
             console.print(f"{said}; at most {most[topic]} is believed: is the unit right?" if wrong else said)
 
 
-def _no_tick(source: "Path | Session") -> InputError:
+def _no_tick(source: "Table | Session") -> InputError:
     what = "gives no tick: both surface channels are needed, from one time on"
-    return InputError(f"{source}: {what}") if isinstance(source, Path) else source.lacks(what)
+    return InputError(f"{source.path}: {what}") if isinstance(source, Table) else source.lacks(what)

@@ -1,5 +1,6 @@
 """`vsensor export`: a table made of a session."""
 
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -51,15 +52,18 @@ def _surface(session: "Session", output: Path) -> int:
 
     from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE
     from vsensor.recording.tabulate import surface_tables
-    from vsensor.tables import SURFACE_COLUMNS, TableWriter
+    from vsensor.tables import TableWriter, surface_columns
 
-    alone = 0
-    with TableWriter(output, SURFACE_COLUMNS) as writer:
-        for table in surface_tables(session):
-            columns = {name: getattr(table, name) for name in SURFACE_COLUMNS}
-            alone += sum(int(np.isnan(column).sum()) for column in columns.values())
-            writer.write(columns)
-        if not writer.rows:
+    known, alone = 0, 0
+    tables = surface_tables(session)
+    first = next(tables, None)
+    with TableWriter(output, tuple(surface_columns(first)) if first else ()) as writer:
+        for table in chain([first] if first else [], tables):
+            has = ~np.isnan([table.motor_torque_nm, table.motor_speed_rad_s])
+            known += int(np.count_nonzero(has))
+            alone += int(np.count_nonzero(has[0] != has[1]))
+            writer.write(surface_columns(table))
+        if not known:
             raise session.lacks(f"holds no {SURFACE_TORQUE} and no {SURFACE_SPEED}")
     if alone:
         typer.echo(f"{alone} rows have a sample of one channel alone: the other is left empty", err=True)

@@ -2,11 +2,15 @@
 
 from typing import Any, TypeVar
 
+import typer
 from pydantic import BaseModel, ValidationError
 
 from vsensor.config import Bus, Rig
 from vsensor.config.faults import every_fault
 from vsensor.errors import ConfigError
+
+NULL: Any = typer.Option(metavar="VALUE", help="A number in the table that stands for no value; repeatable.")
+"""What it is in a command that reads a table."""
 
 Model = TypeVar("Model", bound=BaseModel)
 

@@ -1,7 +1,7 @@
 """A session's samples and estimates as columns of numbers, a piece of the session at a time."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from vsensor.messages import BIT_ESTIMATE, SURFACE_SPEED, SURFACE_TORQUE
 from vsensor.quality import Quality
 from vsensor.recording.columns import Columns, read_columns
 from vsensor.recording.reader import Session
-from vsensor.tables import ESTIMATE_FIELDS, Floats, SurfaceTable
+from vsensor.tables import DEPTH_COLUMNS, ESTIMATE_FIELDS, Floats, SurfaceTable
 
 _Times = npt.NDArray[np.int64]
 _CHANNELS = (SURFACE_TORQUE, SURFACE_SPEED)
@@ -32,12 +32,13 @@ def estimate_tables(session: Session) -> Iterator[Mapping[str, npt.NDArray[Any]]
 def surface_tables(session: Session) -> Iterator[SurfaceTable]:
     """Yield surface samples in rows of equal time, in the order of time, all over the session.
 
-    Where a channel has no sample at a row's time it is NaN; of several the first counts. The session is read
-    twice: once for when the times of the rest of it begin, before which all rows are complete.
+    Where a channel has no sample at a row's time it is NaN; of several the first counts. So it is with
+    depths, where the session holds any. It is read twice: once for when the times of the rest of it begin,
+    before which all rows are complete.
     """
-    wanted = dict.fromkeys(_CHANNELS, ("time_ns", "value"))
-    rest = _begins_of_rests(session)
-    held = {topic: (np.empty(0, np.int64), np.empty(0)) for topic in _CHANNELS}
+    rest, topics = _begins_of_rests(session)
+    wanted = dict.fromkeys(topics, ("time_ns", "value"))
+    held = {topic: (np.empty(0, np.int64), np.empty(0)) for topic in topics}
     for piece, until in zip(read_columns(session, wanted), rest, strict=True):
         for topic, columns in piece.items():
             came = columns.values["time_ns"], columns.values["value"]
@@ -53,21 +54,24 @@ def surface_tables(session: Session) -> Iterator[SurfaceTable]:
             yield rows
 
 
-def _begins_of_rests(session: Session) -> list[int]:
-    """For each piece of a session, the earliest time of what comes behind it."""
-    wanted = dict.fromkeys(_CHANNELS, ("time_ns",))
-    earliest = [
-        min((int(columns.values["time_ns"].min()) for columns in piece.values()), default=_NEVER)
-        for piece in read_columns(session, wanted)
-    ]
+def _begins_of_rests(session: Session) -> tuple[list[int], Collection[str]]:
+    """For each piece of a session, the earliest time of what comes behind it; and what it holds."""
+    wanted = dict.fromkeys((*_CHANNELS, *DEPTH_COLUMNS), ("time_ns",))
+    earliest, found = [], dict.fromkeys(_CHANNELS)
+    for piece in read_columns(session, wanted):
+        earliest.append(
+            min((int(columns.values["time_ns"].min()) for columns in piece.values()), default=_NEVER)
+        )
+        found.update(dict.fromkeys(piece))
     behind = np.minimum.accumulate([_NEVER, *reversed(earliest[1:])])
-    return [int(time) for time in reversed(behind)] if earliest else []
+    return [int(time) for time in reversed(behind)] if earliest else [], [*found]
 
 
 def _rows(channels: Mapping[str, tuple[_Times, Floats]]) -> SurfaceTable:
-    rows = np.union1d(*(times for times, _ in channels.values()))
-    torque, speed = (_at(rows, *channels[topic]) for topic in _CHANNELS)
-    return SurfaceTable(rows, torque, speed)
+    rows = np.unique(np.concatenate([times for times, _ in channels.values()]))
+    columns = {topic: _at(rows, *channel) for topic, channel in channels.items()}
+    torque, speed = (columns.pop(topic) for topic in _CHANNELS)
+    return SurfaceTable(rows, torque, speed, columns)
 
 
 def _at(rows: _Times, times: _Times, values: Floats) -> Floats:

@@ -1,12 +1,15 @@
 """What stands in a table's cells, as numbers; and which cell it is that holds none."""
 
 import re
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 import pyarrow.compute as pc
 
+_THOUSANDS = re.compile(r"[+-]?\d{1,3}([,.' \u00a0]\d{3})+[,.]\d+|[+-]?\d{1,3}([,.' \u00a0]\d{3}){2,}")
+"""A number with marks between its thousands."""
 _WITH_COMMA = re.compile(r"[+-]?\d+,\d+")
 """As half of Europe writes a number."""
 Floats = npt.NDArray[np.float64]
@@ -44,6 +47,8 @@ def as_told(values: pa.Array) -> Floats:
             asked = "a finite number"
             if _WITH_COMMA.fullmatch(text):
                 asked += f" with a point, such as {text.replace(',', '.')},"
+            if _THOUSANDS.fullmatch(text):
+                asked += " without marks between thousands"
             raise BadCellError(row, f"is {text!r}: {asked} was expected")
         found = of_text
     elif is_number(values.type) or pa.types.is_null(values.type):
@@ -51,6 +56,17 @@ def as_told(values: pa.Array) -> Floats:
     else:
         raise BadCellError(0, f"is of type {values.type}: a finite number was expected")
     return found
+
+
+def blanked(values: pa.Array, nulls: Sequence[float]) -> pa.Array:
+    """A column, empty where it holds one of `nulls`. Raises BadCellError for what is no number."""
+    if not nulls:
+        return values
+    values = _plain(values)
+    # Of 32 bits -999.1 is another number than of 64.
+    kind = values.type.to_pandas_dtype() if pa.types.is_floating(values.type) else np.float64
+    nothing = np.isin(as_told(values), np.array(nulls).astype(kind))
+    return pc.if_else(pa.array(nothing), pa.scalar(None, values.type), values)
 
 
 def filled(values: pa.Array) -> pa.Array:
@@ -91,6 +107,11 @@ def as_floats(text: pa.Array) -> Floats | None:
 def is_number(kind: pa.DataType) -> bool:
     """Whether a column's type is one of numbers."""
     return bool(pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_decimal(kind))
+
+
+def is_text(cell: str) -> bool:
+    """Whether a cell holds something else than a number."""
+    return not _is_number(cell.strip())
 
 
 def _is_number(text: str) -> bool:

@@ -7,8 +7,8 @@ import numpy as np
 from vsensor.errors import ConfigError
 from vsensor.grid import NS, Grid
 from vsensor.tables.cells import Floats
+from vsensor.tables.course import Times
 from vsensor.tables.surface import SurfaceTable
-from vsensor.tables.times import Times
 from vsensor.units import to_si
 
 HOLE = 5.0

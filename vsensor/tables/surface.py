@@ -4,6 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from decimal import Decimal
 from pathlib import Path
 from typing import Self
 
@@ -12,53 +13,13 @@ import pyarrow as pa
 
 from vsensor.errors import ConfigError, InputError
 from vsensor.grid import NS, seconds
-from vsensor.messages import (
-    SURFACE_BIT_DEPTH,
-    SURFACE_HOLE_DEPTH,
-    SURFACE_SPEED,
-    SURFACE_TORQUE,
-    Sample,
-)
-from vsensor.tables.cells import BadCellError, Floats, as_told, measured, numbers
-from vsensor.tables.sources import Source, source_of
-from vsensor.tables.times import IN_SECONDS, TimeForm, Times
-from vsensor.units import factor
-
-
-@dataclass(frozen=True)
-class Layout:
-    """What a file calls the columns of a surface table, and how each is told; date and depths may be none."""
-
-    time: str = "time_s"
-    torque: str = "motor_torque_nm"
-    speed: str = "motor_speed_rad_s"
-    date: str = ""
-    form: TimeForm = IN_SECONDS
-    torque_unit: str = "N*m"
-    speed_unit: str = "rad/s"
-    bit_depth: str = ""
-    hole_depth: str = ""
-    depth_unit: str = "m"
-
-    @property
-    def depths(self) -> Mapping[str, str]:
-        """The columns of depths that there are, by topic."""
-        depths = {SURFACE_BIT_DEPTH: self.bit_depth, SURFACE_HOLE_DEPTH: self.hole_depth}
-        return {topic: column for topic, column in depths.items() if column}
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The columns that are read."""
-        return (
-            self.time,
-            self.torque,
-            self.speed,
-            *([self.date] if self.date else []),
-            *self.depths.values(),
-        )
-
-
-PLAIN = Layout()
+from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Sample
+from vsensor.tables.cells import BadCellError, Floats, as_told, blanked, is_text, measured, numbers
+from vsensor.tables.course import Course, Times
+from vsensor.tables.findings import Findings
+from vsensor.tables.layout import PLAIN, Layout
+from vsensor.tables.source import Source
+from vsensor.tables.sources import source_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,38 +68,49 @@ def read_surface(path: Path, layout: Layout = PLAIN) -> SurfaceTable:
 
 
 def surface_pieces(
-    path: Path, layout: Layout = PLAIN, *, whole: bool = False, as_it_came: bool = False
+    path: Path,
+    layout: Layout = PLAIN,
+    *,
+    whole: bool = False,
+    as_it_came: bool = False,
+    findings: Findings | None = None,
 ) -> Iterator[SurfaceTable]:
-    """Read a surface table from .csv, .parquet, .feather, .arrow or .arrows, thousands of rows at a time.
+    """Read a surface table, thousands of rows at a time: .csv, .parquet, .feather, .arrow, .arrows, .npz.
 
     An empty cell, or NaN, is a channel without a sample at that time; where rows must be `whole`, one
-    of torque or speed is a fault. Rows out of order and infinite values are faults, too, but not where all is
-    taken `as_it_came`: for the intake, which refuses samples one by one, and counts them.
+    of torque or speed is a fault. Rows out of order, times before 0 and infinite values are faults, too, but
+    not where all is taken `as_it_came`, without depths: for the intake, which refuses samples one by one, and
+    counts them. `findings` are told of what is read.
     Raises InputError naming the line (CSV, the header being line 1) or row (others) at fault, ConfigError
     for a unit that does not measure what the column holds, or another kind of file.
     """
-    scales = (
-        _scale(path, "motor_torque_nm", layout.torque_unit, "N*m"),
-        _scale(path, "motor_speed_rad_s", layout.speed_unit, "rad/s"),
-    )
-    depth_scale = _scale(path, "a depth", layout.depth_unit, "m")
-    source = source_of(path)
-    row, last_ns = 0, None
-    for batch in source.batches(layout.names):
+    source = source_of(path, layout.head)
+    layout = layout.among(source.columns(), depths=not as_it_came)
+    try:
+        layout = layout.told_by(source.units())
+        *scales, depth_scale = layout.scales()
+        columns = layout.columns
+    except ConfigError as error:
+        raise ConfigError(f"{path}: {error}") from error
+    findings = findings or Findings()
+    read = numbers if whole else as_told if as_it_came else measured
+    row, course, order = 0, Course(), _Order()
+    for batch in source.batches(columns):
         if not batch.num_rows:
             continue
-        reader = _Batch(source, row, batch)
-        time_ns = reader.times(layout)
+        reader = _Batch(source, row, batch, layout, findings)
+        time_ns = reader.times(course)
         if not as_it_came:
-            reader.check_times(layout.time, time_ns, last_ns)
-        read = numbers if whole else as_told if as_it_came else measured
+            order.check(reader, time_ns)
         values = (reader.values(name, read) for name in (layout.torque, layout.speed))
         depths = {topic: reader.values(name, measured) * depth_scale for topic, name in layout.depths.items()}
         torque, speed = (value * scale for value, scale in zip(values, scales, strict=True))
         yield SurfaceTable(time_ns, torque, speed, depths)
-        row, last_ns = row + batch.num_rows, int(time_ns[-1])
+        row += batch.num_rows
     if row == 0:
         raise InputError(f"{path}: has a header but no rows")
+    if {layout.torque, layout.speed} <= set(findings.empty()):
+        raise InputError(f"{path}: neither {layout.torque} nor {layout.speed} has any value")
 
 
 class SurfaceSamples:
@@ -146,11 +118,11 @@ class SurfaceSamples:
 
     def __init__(self) -> None:
         self._numbers: Counter[str] = Counter()
-        self._told_s: dict[str, int] = {}
-        """The whole second in which each depth was told last."""
+        self._told: dict[str, tuple[int, bool]] = {}
+        """The whole second of the last row, and whether it told each depth."""
 
     def of(self, table: SurfaceTable) -> Iterator[tuple[str, Sample]]:
-        """Yield those of a piece: depths, torque and speed of each row; a depth once a second at most."""
+        """Yield those of a piece: depths, torque, speed of each row; what repeats a depth once a second."""
         depths = {topic: self._seldom(topic, table.time_ns, m) for topic, m in table.depths_m.items()}
         columns = {
             **depths,
@@ -165,15 +137,14 @@ class SurfaceSamples:
                     self._numbers[topic] += 1
 
     def _seldom(self, topic: str, time_ns: Times, depth_m: Floats) -> Floats:
-        """What is told of a depth, the first of each second: tables repeat it from row to row."""
-        known = np.flatnonzero(np.isfinite(depth_m))
-        second = time_ns[known] // NS
-        first = known[np.diff(second, prepend=self._told_s.get(topic, -1)) != 0]
-        if len(known):
-            self._told_s[topic] = int(second[-1])
-        seldom = np.full_like(depth_m, np.nan)
-        seldom[first] = depth_m[first]
-        return seldom
+        """What is told of a depth: of what a table repeats from row to row the first of each second."""
+        known = np.isfinite(depth_m)
+        last_s, last_known = self._told.get(topic, (-1, False))
+        second = time_ns // NS
+        repeated = known & np.append(last_known, known[:-1])
+        repeated &= second == np.append(last_s, second[:-1])
+        self._told[topic] = int(second[-1]), bool(known[-1])
+        return np.where(repeated, np.nan, depth_m)
 
 
 @dataclass(frozen=True)
@@ -183,39 +154,66 @@ class _Batch:
     source: Source
     first: int
     rows: pa.RecordBatch
+    layout: Layout
+    findings: Findings
 
     def values(self, name: str, read: Callable[[pa.Array], Floats]) -> Floats:
         try:
-            return read(self.rows.column(name))
+            found = read(blanked(self.rows.column(name), self.layout.nulls))
         except BadCellError as bad:
-            raise self._fault(bad.row, name, str(bad)) from bad
+            raise self.fault(bad.row, f"{name} {bad}") from bad
+        self.findings.look(name, found)
+        return found
 
-    def times(self, layout: Layout) -> Times:
-        dates = self.rows.column(layout.date) if layout.date else None
+    def times(self, course: Course) -> Times:
+        time, date = self.layout.time, self.layout.date
+        dates = self.rows.column(date) if date else None
         try:
-            return layout.form.read(self.rows.column(layout.time), dates)
+            return self.layout.form.read(self.rows.column(time), dates, course)
         except BadCellError as bad:
-            raise self._fault(bad.row, layout.time, str(bad)) from bad
+            raise self.fault(bad.row, f"{time} {bad}") from bad
         except ConfigError as error:
-            raise ConfigError(f"{self.source.path}: {layout.time}: {error}") from error
+            raise ConfigError(f"{self.source.path}: {time}: {error}") from error
 
-    def check_times(self, name: str, time_ns: Times, last_ns: int | None) -> None:
-        """Each must be later than the one before, the first than `last_ns`."""
-        known = time_ns if last_ns is None else np.append(last_ns, time_ns)
-        back = np.diff(known) <= 0
-        if back.any():
-            at = int(np.argmax(back))
-            row = at + len(time_ns) - len(known) + 1
-            before, after = (seconds(known[at : at + 2])).tolist()
-            fault = f"is {after:.12g} s after {before:.12g} s: time must increase from row to row"
-            raise self._fault(row, name, fault)
+    def shown(self, row: int, time_ns: int) -> str:
+        """A time as it stands in the table."""
+        cells = [self.rows.column(name)[row] for name in (self.layout.date, self.layout.time) if name]
+        kind = cells[-1].type
+        if pa.types.is_duration(kind):
+            return f"{Decimal(time_ns).scaleb(-9).normalize():f} s"
+        if pa.types.is_temporal(kind):
+            return str(np.datetime64(time_ns, "ns"))
+        told = " ".join(str(cell).strip() for cell in cells)
+        return told if is_text(told) else f"{told.removesuffix('.0')} {self.layout.form.unit or 's'}"
 
-    def _fault(self, row: int, name: str, fault: str) -> InputError:
-        return InputError(f"{self.source.path}, {self.source.place(self.first + row)}: {name} {fault}")
+    def fault(self, row: int, fault: str) -> InputError:
+        hint = ": is it a line of units? vsensor import --units-line" if self._tells_units(row) else ""
+        return InputError(f"{self.source.path}, {self.source.place(self.first + row)}: {fault}{hint}")
+
+    def _tells_units(self, row: int) -> bool:
+        """Whether a row is the first, and holds no number but words."""
+        if self.first + row or self.source.path.suffix.lower() != ".csv" or self.layout.head.units:
+            return False
+        cells = [self.rows.column(name)[0].as_py() or "" for name in self.layout.columns]
+        return any(cells) and not any(map(str.isdigit, "".join(cells)))
 
 
-def _scale(path: Path, column: str, unit: str, si: str) -> float:
-    try:
-        return factor(unit, si)
-    except ValueError as error:
-        raise ConfigError(f"{path}: {unit!r} is no unit for {column}: write for example {si!r}") from error
+class _Order:
+    """Times that increase from row to row, from 0 on, where a session's clock begins."""
+
+    def __init__(self) -> None:
+        self._last_ns, self._last = -1, ""
+
+    def check(self, batch: _Batch, time_ns: Times) -> None:
+        """Raise InputError for the first row that does not come after the one before it."""
+        known = np.append(self._last_ns, time_ns)
+        row = int(np.argmax(np.diff(known) <= 0))
+        if time_ns[row] <= known[row]:
+            name = batch.layout.time
+            shown = batch.shown(row, int(time_ns[row]))
+            if time_ns[row] < 0:
+                raise batch.fault(row, f"{name} is {shown}: a session's times begin with 0, which is 1970")
+            before = batch.shown(row - 1, int(known[row])) if row else self._last
+            raise batch.fault(row, f"{name} is {shown} after {before}: time must increase from row to row")
+        self._last_ns = int(time_ns[-1])
+        self._last = batch.shown(len(time_ns) - 1, self._last_ns)

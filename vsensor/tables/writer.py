@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from vsensor.errors import ConfigError, InputError
+from vsensor.tables.layout import DEPTH_COLUMNS
 from vsensor.tables.sinks import SINKS, Sink
 from vsensor.tables.surface import SurfaceTable
 
@@ -35,8 +36,8 @@ ESTIMATE_FIELDS = {
 }
 """The columns of an estimates table, in order, and the field of an Estimate that each shows."""
 
-SURFACE_COLUMNS = ("time_s", "motor_torque_nm", "motor_speed_rad_s")
-"""The columns of a surface table, in order."""
+SURFACE_COLUMNS = ("time_s", "motor_torque_nm", "motor_speed_rad_s", "time_ns")
+"""The columns of a surface table, in order; those of depths come behind them, where there are any."""
 
 _ROWS = 100_000
 """Rows put at once: enough that a group of them is worth its head in a Parquet file."""
@@ -119,10 +120,17 @@ class TableWriter:
             raise InputError(f"{self.path}: cannot be written: {error.strerror or error}") from error
 
 
+def surface_columns(table: SurfaceTable) -> Columns:
+    """What a surface table holds, as it is written."""
+    depths = {DEPTH_COLUMNS[topic]: depth for topic, depth in table.depths_m.items()}
+    return {**{column: getattr(table, column) for column in SURFACE_COLUMNS}, **depths}
+
+
 def write_surface(path: Path, table: SurfaceTable) -> None:
     """Write a surface table; NaN, where a channel has no sample, as what is not known."""
-    with TableWriter(path, SURFACE_COLUMNS) as writer:
-        writer.write({column: getattr(table, column) for column in SURFACE_COLUMNS})
+    columns = surface_columns(table)
+    with TableWriter(path, tuple(columns)) as writer:
+        writer.write(columns)
 
 
 def write_estimates(path: Path, columns: Columns) -> None:
