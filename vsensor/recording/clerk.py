@@ -15,6 +15,7 @@ from vsensor.recording.mend import Mender
 from vsensor.recording.names import session_path, untaken
 from vsensor.recording.part import Head, Losses, Part
 from vsensor.recording.snapshot import Snapshots
+from vsensor.recording.writer import GoneError
 
 RETRY_S = 10.0
 """A disk that has refused is not tried again sooner."""
@@ -175,9 +176,9 @@ class Clerk:
             case wire.FAREWELL:
                 self._farewell = True
             case wire.STOP:
-                self._wanted, self._trouble = False, ""
                 if self._part is not None:
                     self._end("stopped on command")
+                self._wanted, self._trouble = False, ""
             case wire.SNAPSHOT:
                 path = untaken(Path(order["path"]))
                 if wrong := self._snapshots.begin(path, order["seconds"], self._disk.spare):
@@ -249,9 +250,10 @@ class Clerk:
     def _fail(self, part: Part | None, error: VsensorError) -> None:
         self._part = None
         self.failed = True
-        self._lost += part.unsynced if part is not None else 0
+        self._lost += part.lost(error) if part is not None else 0
         self._trouble = str(error)
-        self._not_before = time.monotonic() + RETRY_S
+        if not isinstance(error, GoneError):  # which is no word of the disk's
+            self._not_before = time.monotonic() + RETRY_S
         self._tell("recording", False, str(error))
 
     def _guard(self) -> None:
