@@ -140,6 +140,16 @@ def test_no_counter_goes_down_where_a_sample_that_was_missed_comes_late() -> Non
         assert all(after[name] >= value for name, value in before.items())
 
 
+def test_what_is_learned_and_not_saved_is_told() -> None:
+    def told(status: Status) -> dict[str, float]:
+        return {sample.name: sample.value for family in families(status) for sample in family.samples}
+
+    trouble = Status(rig="a", learned_trouble="no such folder", bus_missed=3)
+    assert told(Status(rig="a"))["vsensor_learned_unsaved"] == 0
+    assert told(trouble)["vsensor_learned_unsaved"] == 1
+    assert told(trouble)["vsensor_bus_missed_samples_total"] == 3
+
+
 def test_what_a_status_does_not_tell_is_no_metric() -> None:
     told = {
         sample.name for family in families(Status(rig="a", state="starting")) for sample in family.samples

@@ -112,6 +112,8 @@ def _inputs(status: Status) -> RenderableType:
         bad = bool(refused(channel) or channel.lost)
         counts = (f"{channel.accepted:,}", f"{refused(channel):,}", f"{channel.lost:,}")
         table.add_row(channel.channel, *counts, age, words(channel), style="yellow" if bad else "")
+    if status.bus_missed:
+        table.add_row("missed", "", "", f"{status.bus_missed:,}", "", "on the bus", style="yellow")
     if status.restarts:
         table.add_row("began anew", f"{status.restarts}", "", "", "", "a long gap, or a clock that was set")
     return table
@@ -144,6 +146,8 @@ def _recording(status: Status) -> RenderableType:
         table.add_row("none", why, "", style="red" if status.recording_trouble else "yellow")
     dropped = f"{status.recorder_dropped:,} not recorded"
     table.add_row("messages", f"{status.recorded:,}", dropped, style="red" if status.recorder_dropped else "")
+    if status.learned_trouble:
+        table.add_row("learned", status.learned_trouble, "not saved", style="red")
     return table
 
 
