@@ -57,6 +57,12 @@ def test_the_page_tells_what_cannot_be_saved_and_what_the_bus_has_lost() -> None
     assert "not saved" not in sound
 
 
+def test_what_was_refused_has_not_ended() -> None:
+    panel = Panel(Status(rig="a"))
+    panel.hear_all([("", Event(name="snapshot", begins=False, text="a.mcap is not kept"))])
+    assert re.search(r"refused +snapshot: a.mcap is not kept", page(panel))
+
+
 def test_each_state_has_its_colour() -> None:
     assert set(STYLES) == set(STATES)
 

@@ -13,6 +13,7 @@ from rich.text import Text
 
 from vsensor.messages import Estimate, Event, Message, Status
 from vsensor.messages.books import refused, words
+from vsensor.messages.events import verb
 from vsensor.messages.states import INPUT_LOST, RUNNING, STANDING_BY, STARTING, WAITING, WARMING_UP
 from vsensor.quality import Quality, Reason
 from vsensor.units import factor
@@ -101,7 +102,7 @@ class Panel:
         table = _table("events", "", "")
         for event in self._events:
             clock = time.strftime("%H:%M:%S", time.localtime(event.time_ns / 1e9))
-            table.add_row(f"{clock}", "begins" if event.begins else "ends", f"{event.name}: {event.text}")
+            table.add_row(f"{clock}", verb(event), f"{event.name}: {event.text}")
         return table
 
 

@@ -5,13 +5,10 @@ from typing import NamedTuple
 
 from structlog.typing import FilteringBoundLogger
 
-from vsensor.commands import SNAPSHOT
 from vsensor.messages import Event, Status
 from vsensor.messages.books import LOSSES
+from vsensor.messages.events import is_refusal
 from vsensor.messages.states import AS_IT_SHOULD
-
-REFUSABLE = ("configuration", "learned", SNAPSHOT)
-"""Events that do not begin where what was asked for was refused."""
 
 
 class Trouble(NamedTuple):
@@ -35,7 +32,7 @@ class Teller:
     def tell(self, status: Status, faults: Mapping[str, str], events: Iterable[Event]) -> None:
         """Hear the status of this second, what each topic's last unreadable sample lacked, what happened."""
         for event in events:
-            say = self._log.info if event.begins or event.name not in REFUSABLE else self._log.warning
+            say = self._log.warning if is_refusal(event) else self._log.info
             say(event.name, begins=event.begins, text=event.text)
         if status.state != self._state:
             self._state = status.state
