@@ -4,6 +4,7 @@ import io
 import json
 import os
 import pty
+import re
 import subprocess
 import sys
 import time
@@ -45,6 +46,21 @@ def test_brackets_in_a_name_are_shown() -> None:
     text = page(panel)
     assert "rec[/x]/[red]a.mcap" in text
     assert "[/x]b.mcap is deleted" in text
+
+
+def test_the_page_tells_what_cannot_be_saved_and_what_the_bus_has_lost() -> None:
+    text = page(Panel(Status(rig="a", learned_trouble="state: a file is there", bus_missed=1234)))
+    assert "state: a file is there" in text
+    assert re.search(r"missed +1,234 +on the bus", text)
+    sound = page(Panel(Status(rig="a")))
+    assert "missed" not in sound
+    assert "not saved" not in sound
+
+
+def test_what_was_refused_has_not_ended() -> None:
+    panel = Panel(Status(rig="a"))
+    panel.hear_all([("", Event(name="snapshot", begins=False, text="a.mcap is not kept"))])
+    assert re.search(r"refused +snapshot: a.mcap is not kept", page(panel))
 
 
 def test_each_state_has_its_colour() -> None:

@@ -56,7 +56,7 @@ def test_parts_and_snapshots_of_a_running_daemon_can_each_be_run_again(tmp_path:
         with pytest.raises(BusError, match="is not recording"):
             tell(rig, "split recording")
         send(rig, 8, 10)
-        assert "recording into" in tell(rig, "start recording")
+        assert "is to record into" in tell(rig, "start recording")
         with pytest.raises(BusError, match="is recording already, into"):
             tell(rig, "start recording")
         send(rig, 10, 12)

@@ -5,8 +5,11 @@ import io
 import json
 import os
 import re
+import sys
+import threading
 import time
 from collections.abc import Iterator
+from datetime import datetime
 
 import pytest
 
@@ -87,7 +90,70 @@ def test_whoever_logs_never_waits_for_who_does_not_read(
     nobody_reads: io.TextIOWrapper, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(log_module, "FAREWELL_S", 0.1)
-    writer = Writer(nobody_reads)
-    for _ in range(2 * log_module.WAITING):
-        writer.info("x" * 1000)
+    writer = Writer(nobody_reads, str)
+    for number in range(2 * log_module.WAITING):
+        writer.info({"event": f"{number}", "text": "x" * 1000})
     writer.close()
+
+
+def said(capsys: pytest.CaptureFixture[str]) -> list[dict[str, object]]:
+    return [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+
+
+def test_lines_that_nobody_read_are_told_in_the_next(capsys: pytest.CaptureFixture[str]) -> None:
+    with logging(Form.JSON, rig="a") as log:
+        hold_up = threading.Event()
+        sys.stdout.flush = lambda: hold_up.wait(10)  # type: ignore[method-assign]
+        for number in range(2 * log_module.WAITING):
+            log.info(f"event {number}")
+        del sys.stdout.flush
+        hold_up.set()
+        time.sleep(0.5)  # there is room again
+        log.info("after it")
+    lines = said(capsys)
+    assert lines[-1]["event"] == "after it"
+    dropped = sum(int(str(line.get("lines_dropped", 0))) for line in lines)
+    assert dropped == 2 * log_module.WAITING - (len(lines) - 1)
+
+
+def test_ends_are_not_held_back_for_beginnings_and_the_last_is_always_written(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with logging(Form.JSON) as log:
+        for number in range(BURST + 3):
+            log.info("input_lost", begins=True, number=number)
+            log.info("input_lost", begins=False, number=number)
+    lines = said(capsys)
+    assert [line["number"] for line in lines if line["begins"]] == [*range(BURST)]
+    assert [line["number"] for line in lines if not line["begins"]] == [*range(BURST), BURST + 2]
+    assert lines[-1]["suppressed"] == 2 * 3 - 1
+
+
+def test_a_line_that_was_held_back_is_written_later_with_the_time_of_what_it_tells(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(log_module, "PER_SECOND", 0.5)
+    monkeypatch.setattr(log_module, "LATE_S", 0.05)
+    with logging(Form.JSON) as log:
+        for number in range(BURST + 3):
+            log.info("state", number=number)
+        lines, until = said(capsys), time.monotonic() + 30
+        while BURST + 2 not in [line["number"] for line in lines]:
+            assert time.monotonic() < until
+            time.sleep(0.05)
+            lines += said(capsys)
+        assert len(lines) == BURST + 1
+        first, last = (datetime.fromisoformat(str(line["time"])) for line in (lines[0], lines[-1]))
+        assert (last - first).total_seconds() < 1
+        assert lines[-1]["suppressed"] == 2
+    assert said(capsys) == []
+
+
+@pytest.mark.parametrize("event", ["configuration", "command", "snapshot"])
+def test_answers_to_an_operators_own_acts_are_not_held_back(
+    capsys: pytest.CaptureFixture[str], event: str
+) -> None:
+    with logging(Form.JSON) as log:
+        for number in range(50):
+            log.info(event, begins=True, number=number)
+    assert [line["number"] for line in said(capsys)] == [*range(50)]

@@ -7,6 +7,7 @@ import shutil
 import signal
 import socket
 import subprocess
+import time
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
@@ -22,6 +23,7 @@ from vsensor.config import Metrics
 from vsensor.intake import Intake
 from vsensor.messages import SURFACE_TORQUE, ChannelStatus, Sample, Status
 from vsensor.messages.vsensor_pb2 import Histogram, Skill
+from vsensor.metrics import exporter as exporter_module
 from vsensor.metrics.exporter import Exporter, MetricsError
 from vsensor.metrics.families import COUNTERS, GAUGES, HISTOGRAMS, families
 
@@ -138,6 +140,16 @@ def test_no_counter_goes_down_where_a_sample_that_was_missed_comes_late() -> Non
         assert all(after[name] >= value for name, value in before.items())
 
 
+def test_what_is_learned_and_not_saved_is_told() -> None:
+    def told(status: Status) -> dict[str, float]:
+        return {sample.name: sample.value for family in families(status) for sample in family.samples}
+
+    trouble = Status(rig="a", learned_trouble="no such folder", bus_missed=3)
+    assert told(Status(rig="a"))["vsensor_learned_unsaved"] == 0
+    assert told(trouble)["vsensor_learned_unsaved"] == 1
+    assert told(trouble)["vsensor_bus_missed_samples_total"] == 3
+
+
 def test_what_a_status_does_not_tell_is_no_metric() -> None:
     told = {
         sample.name for family in families(Status(rig="a", state="starting")) for sample in family.samples
@@ -162,6 +174,38 @@ def test_the_daemon_does_not_wait_for_a_process_that_is_stopped_or_dead(exporter
     wait_until(lambda: not exporter.tell(FULL), "a full buffer")
     os.kill(exporter.pid, signal.SIGKILL)
     wait_until(lambda: not exporter.tell(FULL), "a broken pipe")
+
+
+def test_a_process_that_died_is_told_and_started_again(metrics: Metrics, exporter: Exporter) -> None:
+    died = exporter.pid
+    os.kill(died, signal.SIGKILL)
+    wait_until(lambda: not exporter.tell(FULL) and bool(exporter.trouble), "word of its death")
+    assert exporter.trouble == (
+        f"metrics at 127.0.0.1:{metrics.port}: the process that serves them ended (exit status -9)"
+    )
+    assert not Path(f"/proc/{died}").exists(), "it is nobody's zombie"
+    wait_until(lambda: exporter.tell(FULL), "another")
+    wait_until(lambda: get(metrics, "/readyz") == (200, "running\n"), "its answer")
+    assert exporter.trouble == ""
+
+
+def test_while_it_cannot_be_started_again_it_is_said_why_and_tried_ever_less_often(
+    metrics: Metrics, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tried = []
+
+    def refuse(_: Metrics) -> None:
+        tried.append(time.monotonic())
+        raise MetricsError("another has the port")
+
+    monkeypatch.setattr(exporter_module, "AGAIN_S", 0.05)
+    with Exporter(metrics) as exporter:
+        monkeypatch.setattr(exporter_module, "_start", refuse)
+        os.kill(exporter.pid, signal.SIGKILL)
+        wait_until(lambda: not exporter.tell(FULL) and len(tried) == 5, "attempts")
+        assert exporter.trouble == "another has the port"
+    pauses = [later - earlier for earlier, later in pairwise(tried)]
+    assert all(later > 1.5 * earlier for earlier, later in pairwise(pauses)), pauses
 
 
 def test_a_port_that_is_taken_is_named(metrics: Metrics, exporter: Exporter) -> None:

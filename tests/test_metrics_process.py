@@ -62,7 +62,10 @@ def test_probes_follow_the_daemon_and_it_outlives_them(sensor: Daemon) -> None:
         os.kill(exporter(sensor), signal.SIGKILL)
         before = rig.await_status(lambda status: status.slots_run > 0, "a status")
         rig.await_status(lambda status: status.slots_run > before.slots_run + RATE, "turns after its death")
-        assert ask(sensor, "/livez") == (0, "")
+        sensor.await_saying("the process that serves them ended (exit status -9)")
+        wait_until(lambda: ask(sensor, "/livez")[0] == 200, "life again")
+        sensor.await_saying("metrics are served again")
+        assert 'vsensor_ticks_total{rig="test"}' in ask(sensor, "/metrics")[1]
     assert sensor.end() == 0
 
 

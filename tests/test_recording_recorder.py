@@ -252,8 +252,7 @@ def test_a_full_disk_is_told_and_keeps_what_was_written(
     until(lambda: recorder.look() == [] and recorder.dropped >= 660)
     assert not recorder.close(20)
     assert "File too large" in recorder.trouble()
-    said = capfd.readouterr().err
-    assert said.count("File too large") == 1
+    assert capfd.readouterr().err == "", "the daemon's log tells it"
     assert recover(part, tmp_path / "b.mcap").messages >= 600
 
 

@@ -1,6 +1,7 @@
 """While a lot of messages is written to a slow disk, the recorder tells how things stand."""
 
 import socket
+import threading
 from types import SimpleNamespace
 from typing import Any
 
@@ -16,8 +17,9 @@ class SlowClerk:
 
     failed = has_more = False
 
-    def __init__(self, write_s: float) -> None:
+    def __init__(self, write_s: float, trouble: str = "") -> None:
         self.happened: list[str] = []
+        self.trouble = trouble
         self.now = 100.0
         self._write_s = write_s
 
@@ -30,7 +32,10 @@ class SlowClerk:
 
     def news(self) -> dict[str, Any]:
         self.happened.append("told")
-        return {"trouble": ""}
+        return {"trouble": self.trouble}
+
+    def note(self, name: str, _begins: bool, _text: str) -> None:
+        self.happened.append(name)
 
 
 @pytest.mark.parametrize(
@@ -50,3 +55,33 @@ def test_it_tells_each_second_between_two_packets(
     with ours, feed:
         process._record(backlog, clerk, Reporter(clerk, feed))
     assert clerk.happened == happened
+
+
+@pytest.mark.parametrize("somebody_hears", [True, False])
+def test_what_is_wrong_is_said_on_the_terminal_only_where_no_daemon_can_tell_it(
+    somebody_hears: bool, capfd: pytest.CaptureFixture[str]
+) -> None:
+    clerk: Any = SlowClerk(0.0, "the disk is full")
+    ours, feed = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    with ours, feed:
+        if not somebody_hears:
+            ours.close()
+        reporter = Reporter(clerk, feed)
+        for _ in range(3):
+            reporter.tell()
+    said = "" if somebody_hears else "vsensor recorder: the disk is full\n"
+    assert capfd.readouterr().err == said
+
+
+def test_a_disk_that_does_not_keep_up_is_told_once(capfd: pytest.CaptureFixture[str]) -> None:
+    clerk: Any = SlowClerk(0.0)
+    backlog = Backlog(10)
+    ours, feed = socket.socketpair()
+    with ours, feed:
+        backlog.dropped = 3
+        ends = threading.Timer(0.3, backlog.ended.set)  # after some turns
+        ends.start()
+        process._record(backlog, clerk, Reporter(clerk, feed))
+        ends.join()
+    assert clerk.happened == ["backlog_full"]
+    assert capfd.readouterr().err == ""

@@ -1,7 +1,7 @@
 """What is read: right, plain, and in the units that were asked for."""
 
 from tests.view_rig import estimate, status, stuck
-from vsensor.messages import Estimate, Status
+from vsensor.messages import Estimate, Event, Status
 from vsensor.view.units import Units
 from vsensor.view.words import answers, health, silence, told
 
@@ -22,6 +22,11 @@ def test_before_anything_is_known_nothing_is_claimed() -> None:
 def test_an_event_is_told_with_its_time_and_whether_it_ends() -> None:
     assert told(stuck(0, True)) == ("WARN", "22:13:20 stuck: the bit stands still")
     assert told(stuck(150, False)) == ("INFO", "22:13:21 stuck ends: the bit stands still")
+
+
+def test_what_was_refused_has_not_ended() -> None:
+    refused = Event(time_ns=0, name="configuration", begins=False, text="the file has faults")
+    assert told(refused) == ("WARN", "00:00:00 configuration refused: the file has faults")
 
 
 def test_every_count_of_something_lost_is_told() -> None:

@@ -13,6 +13,7 @@ from rich.text import Text
 
 from vsensor.messages import Estimate, Event, Message, Status
 from vsensor.messages.books import refused, words
+from vsensor.messages.events import verb
 from vsensor.messages.states import INPUT_LOST, RUNNING, STANDING_BY, STARTING, WAITING, WARMING_UP
 from vsensor.quality import Quality, Reason
 from vsensor.units import factor
@@ -101,7 +102,7 @@ class Panel:
         table = _table("events", "", "")
         for event in self._events:
             clock = time.strftime("%H:%M:%S", time.localtime(event.time_ns / 1e9))
-            table.add_row(f"{clock}", "begins" if event.begins else "ends", f"{event.name}: {event.text}")
+            table.add_row(f"{clock}", verb(event), f"{event.name}: {event.text}")
         return table
 
 
@@ -112,6 +113,8 @@ def _inputs(status: Status) -> RenderableType:
         bad = bool(refused(channel) or channel.lost)
         counts = (f"{channel.accepted:,}", f"{refused(channel):,}", f"{channel.lost:,}")
         table.add_row(channel.channel, *counts, age, words(channel), style="yellow" if bad else "")
+    if status.bus_missed:
+        table.add_row("missed", "", "", f"{status.bus_missed:,}", "", "on the bus", style="yellow")
     if status.restarts:
         table.add_row("began anew", f"{status.restarts}", "", "", "", "a long gap, or a clock that was set")
     return table
@@ -144,6 +147,8 @@ def _recording(status: Status) -> RenderableType:
         table.add_row("none", why, "", style="red" if status.recording_trouble else "yellow")
     dropped = f"{status.recorder_dropped:,} not recorded"
     table.add_row("messages", f"{status.recorded:,}", dropped, style="red" if status.recorder_dropped else "")
+    if status.learned_trouble:
+        table.add_row("learned", status.learned_trouble, "not saved", style="red")
     return table
 
 

@@ -1,6 +1,6 @@
 """`vsensor run`: the daemon."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import fields
 from pathlib import Path
@@ -14,6 +14,7 @@ from vsensor.config import Rig, effective_toml, load
 if TYPE_CHECKING:
     from structlog.typing import FilteringBoundLogger
 
+    from vsensor.cli.teller import Trouble
     from vsensor.messages import Status
     from vsensor.metrics.exporter import Exporter
     from vsensor.recording.recorder import Recorder
@@ -64,18 +65,31 @@ def run(
             daemon = Daemon(rig, engine, session, recorder, achieved, keeper, reload, stand_by=stand_by)
             _introduce(say, rig, engine.estimator.confirmed_delay, engine.estimator.forecast_horizon)
             _tell_achieved(say, achieved)
-            teller = Teller(say, recorder)
+            teller = Teller(say, _troubles(recorder, keeper, exporter))
             supervisor.ready()
             say.info("READY")
 
             def tell_log(status: "Status") -> None:
-                teller.tell(status, daemon.fault, daemon.voice.news())
+                teller.tell(status, daemon.faults, daemon.voice.news())
 
             pace = Pace(rig.loop.rate, MonotonicClock(), daemon.prepare)
             ears = (supervisor.each_second, tell_log, *((exporter.tell,) if exporter is not None else ()))
             daemon.run(pace, ears, stopped)
             supervisor.stopping()
         _account(say, daemon.health.status)
+
+
+def _troubles(
+    recorder: "Recorder", keeper: "Keeper | None", exporter: "Exporter | None"
+) -> "Iterable[Trouble]":
+    from vsensor.cli.teller import Trouble
+
+    yield Trouble("no longer recorded", "nothing keeps from recording any longer", recorder.trouble)
+    if keeper is not None:
+        ends = "what is learned is saved again"
+        yield Trouble("what is learned is not saved", ends, lambda: keeper.trouble)
+    if exporter is not None:
+        yield Trouble("no metrics are served", "metrics are served again", lambda: exporter.trouble)
 
 
 @contextmanager
@@ -127,7 +141,7 @@ def _kept(rig: Rig, engine: "Engine", say: "FilteringBoundLogger") -> "Iterator[
         return
     keeper = Keeper(path_of(rig), rig, engine)
     if keeper.begun:
-        say.info("learned before", what=keeper.begun)
+        (say.warning if keeper.refused else say.info)("learned before", what=keeper.begun)
     try:
         yield keeper
     finally:

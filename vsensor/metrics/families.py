@@ -27,6 +27,7 @@ COUNTERS = {
     ),
     "published": ("published", "Estimates handed to the bus."),
     "recorded": ("recorded", "Messages handed to the recorder."),
+    "bus_missed": ("bus_missed_samples", "Samples that the bus lost and could not get back."),
     "recorder_dropped": ("recorder_dropped", "Messages that could not be recorded."),
     "depths_refused": ("depths_refused", "Samples of the depth channels that were refused."),
     "sheddings": ("sheddings", "Times that the loop began to leave something out to keep up."),
@@ -138,6 +139,11 @@ def _states(status: Status) -> Iterator[Metric]:
     recording = GaugeMetricFamily("vsensor_recording", "Whether a session is being written.", labels=["rig"])
     recording.add_metric([status.rig], float(bool(status.recording)))
     yield recording
+    unsaved = GaugeMetricFamily(
+        "vsensor_learned_unsaved", "Whether what is learned cannot be saved.", labels=["rig"]
+    )
+    unsaved.add_metric([status.rig], float(bool(status.learned_trouble)))
+    yield unsaved
     skill = GaugeMetricFamily(
         "vsensor_prediction_error_speed_radians_per_second",
         "Root mean square by which the bit's speed, foretold so far ahead, missed of late.",

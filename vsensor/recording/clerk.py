@@ -15,6 +15,7 @@ from vsensor.recording.mend import Mender
 from vsensor.recording.names import session_path, untaken
 from vsensor.recording.part import Head, Losses, Part
 from vsensor.recording.snapshot import Snapshots
+from vsensor.recording.writer import GoneError
 
 RETRY_S = 10.0
 """A disk that has refused is not tried again sooner."""
@@ -76,7 +77,7 @@ class Clerk:
         # A machine without a clock of its own begins twice in the same second.
         self._part = Part(untaken(path), self._head, {"part": "1"}, self._losses())
         self._parts = 1
-        self._tell("recording", True, f"recording into {self._part.path}")
+        self.note("recording", True, f"recording into {self._part.path}")
         self.mend()
 
     def mend(self) -> None:
@@ -104,10 +105,10 @@ class Clerk:
     def work(self) -> None:
         """Write a piece of the snapshot that is under way."""
         if wrong := self._snapshots.work():
-            self._tell("snapshot", False, wrong)
+            self.note("snapshot", False, wrong)
         for path in self._snapshots.complete:
             self._complete.append(str(path))
-            self._tell("snapshot", True, f"{path} is kept")
+            self.note("snapshot", True, f"{path} is kept")
         self._snapshots.complete.clear()
 
     def each_second(self) -> None:
@@ -118,7 +119,7 @@ class Clerk:
         self._tidy(now=False)
         self._guard()
         for line in self._mender.finished():
-            self._tell("session_mended", True, line)
+            self.note("session_mended", True, line)
 
     def close(self, *, told_to_end: bool) -> None:
         """Complete what is under way."""
@@ -131,6 +132,10 @@ class Clerk:
             return
         why = "the recorder was told to end" if told_to_end else "the daemon ended without closing it"
         self._end(why, Losses(None, self._losses().recorder))
+
+    def note(self, name: str, begins: bool, text: str) -> None:
+        """Something that has happened, for the next news."""
+        self._events.append((name, begins, text))
 
     def news(self) -> News:
         """How things stand, and what has happened since the last news; figures named as in the status."""
@@ -175,13 +180,13 @@ class Clerk:
             case wire.FAREWELL:
                 self._farewell = True
             case wire.STOP:
-                self._wanted, self._trouble = False, ""
                 if self._part is not None:
                     self._end("stopped on command")
+                self._wanted, self._trouble = False, ""
             case wire.SNAPSHOT:
                 path = untaken(Path(order["path"]))
                 if wrong := self._snapshots.begin(path, order["seconds"], self._disk.spare):
-                    self._tell("snapshot", False, wrong)
+                    self.note("snapshot", False, wrong)
 
     def _go_on(self, checkpoint: wire.Checkpoint) -> None:
         """With what the sensor remembers: begin a file, split one, or note it in the present one."""
@@ -222,7 +227,7 @@ class Clerk:
             self._parts += 1
             self._trouble = ""
             self._remember(self._part, checkpoint)
-            self._tell("recording", True, f"recording into {path}")
+            self.note("recording", True, f"recording into {path}")
         if was_torn and not self.failed:
             self.mend()
 
@@ -237,7 +242,7 @@ class Clerk:
             return
         self.failed = False
         self._complete.append(str(part.path))
-        self._tell("recording", False, f"{part.path} is complete: {why}")
+        self.note("recording", False, f"{part.path} is complete: {why}")
 
     @contextlib.contextmanager
     def _complaining(self) -> Iterator[None]:
@@ -249,10 +254,11 @@ class Clerk:
     def _fail(self, part: Part | None, error: VsensorError) -> None:
         self._part = None
         self.failed = True
-        self._lost += part.unsynced if part is not None else 0
+        self._lost += part.lost(error) if part is not None else 0
         self._trouble = str(error)
-        self._not_before = time.monotonic() + RETRY_S
-        self._tell("recording", False, str(error))
+        if not isinstance(error, GoneError):  # which is no word of the disk's
+            self._not_before = time.monotonic() + RETRY_S
+        self.note("recording", False, str(error))
 
     def _guard(self) -> None:
         """End while there is still room to end in."""
@@ -275,13 +281,10 @@ class Clerk:
 
     def _tidy(self, *, now: bool) -> None:
         for path in self._disk.tidy(now=now):
-            self._tell("session_deleted", True, f"{path} was deleted to keep within the limits")
+            self.note("session_deleted", True, f"{path} was deleted to keep within the limits")
 
     def _losses(self) -> Losses:
         return Losses(self._lost_by_daemon, self._lost + self._backlog.dropped)
-
-    def _tell(self, name: str, begins: bool, text: str) -> None:
-        self._events.append((name, begins, text))
 
 
 def _size(count: float) -> str:

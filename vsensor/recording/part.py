@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from vsensor.messages import SENSOR_STATE
 from vsensor.recording import wire
-from vsensor.recording.writer import RECORDER, Compression, SessionWriter
+from vsensor.recording.writer import RECORDER, Compression, GoneError, SessionWriter
 
 
 class Head(NamedTuple):
@@ -81,6 +81,10 @@ class Part:
         """Put what was written on the disk."""
         self._writer.sync()
         self.unsynced = 0
+
+    def lost(self, error: Exception) -> int:
+        """How many of its messages an error of ours has cost."""
+        return self._writer.written if isinstance(error, GoneError) else self.unsynced
 
     def close(self, why: str, losses: Losses) -> None:
         """Complete it with the record of its own making."""

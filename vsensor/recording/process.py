@@ -34,7 +34,7 @@ _LOOK_S = 0.05  # often enough to keep the backlog short, seldom enough to cost 
 
 
 class Reporter:
-    """Gives the clerk's news to the daemon, and what went wrong to the terminal, once."""
+    """Gives the clerk's news to the daemon, whose log has it all; to the terminal where it is gone."""
 
     def __init__(self, clerk: Clerk, feed: socket.socket) -> None:
         self._clerk = clerk
@@ -51,11 +51,9 @@ class Reporter:
         """Tell how things stand now, and what has happened since the last time."""
         self._due = time.monotonic() + TELL_S
         news = self._clerk.news()
-        if news["trouble"] != self._said:
+        if not _tell(self._feed, json.dumps(news)) and news["trouble"] != self._said:
             self._said = news["trouble"]
-            if self._said:
-                _say(self._said)
-        _tell(self._feed, json.dumps(news))
+            _say(self._said)
         if self._clerk.has_more:
             self.tell()
 
@@ -107,7 +105,8 @@ def _record(backlog: Backlog, clerk: Clerk, reporter: Reporter) -> None:
         clerk.work()
         if backlog.dropped and not warned:
             warned = True
-            _say(f"the disk does not keep up: {BACKLOG_BYTES >> 20} MiB wait for it, the rest is dropped")
+            words = f"the disk does not keep up: {BACKLOG_BYTES >> 20} MiB wait for it, the rest is dropped"
+            clerk.note("backlog_full", True, words)
         if last:
             return
         if time.monotonic() >= next_sync:
@@ -132,9 +131,15 @@ def _item(feed: socket.socket) -> Item:
         return wire.receive(feed)
 
 
-def _tell(feed: socket.socket, text: str) -> None:
-    with contextlib.suppress(OSError):  # the daemon is gone
+def _tell(feed: socket.socket, text: str) -> bool:
+    """Whether somebody is there to hear it."""
+    try:
         feed.send(text.encode(), socket.MSG_DONTWAIT)
+    except BlockingIOError:  # the daemon is busy, or stopped
+        return True
+    except OSError:
+        return False
+    return True
 
 
 def _say(text: str) -> None:

@@ -58,13 +58,20 @@ class TornOffError(VsensorError):
         self.why = why
 
 
+class GoneError(VsensorError):
+    """The file is not where it was begun: all that was written to it is lost, or in somebody else's hands."""
+
+    def __init__(self, part: Path) -> None:
+        super().__init__(f"{part}: is not there any longer: it was removed or moved while it was written")
+
+
 class SessionWriter:
     """Writes NAME.mcap.part (or `part`), and gives it its final name when it is complete.
 
     Configuration and metadata stand at the start, so that a torn file has them too. Raises
     InputError where a session of that name exists or cannot be created, ConfigError for another
-    name, VsensorError where the disk takes no more; what was written until then stays, and can be
-    recovered.
+    name, VsensorError where the disk takes no more, and what was written until then stays and can be
+    recovered; GoneError where the file was taken away.
     """
 
     def __init__(
@@ -145,6 +152,7 @@ class SessionWriter:
             os.fsync(self._file.fileno())
         except OSError as error:
             raise self._torn_off(error) from error
+        self._check_there()
 
     def close(self) -> None:
         """Complete the file and give it its final name."""
@@ -152,6 +160,7 @@ class SessionWriter:
             self._mcap.finish()  # type: ignore[no-untyped-call]
             self._file.flush()
             os.fsync(self._file.fileno())
+            self._check_there()
             self._file.close()
             self.part.rename(self.path)
         except OSError as error:
@@ -191,6 +200,16 @@ class SessionWriter:
     def _torn_off(self, error: OSError) -> VsensorError:
         self._abandon()
         return TornOffError(self.part, error.strerror or str(error))
+
+    def _check_there(self) -> None:
+        """To write goes well though nobody finds the file any longer: look whether it bears its name."""
+        try:
+            there = self.part.stat()
+        except (FileNotFoundError, NotADirectoryError):
+            there = None
+        if there is None or not os.path.samestat(there, os.fstat(self._file.fileno())):
+            self._abandon()
+            raise GoneError(self.part)
 
     def _abandon(self) -> None:
         """Leave the file under its unfinished name."""

@@ -33,7 +33,7 @@ from vsensor.service.profile import Noted, Profiler, profile_of, reckon
 from vsensor.service.ration import Ration
 from vsensor.service.realtime import Achieved
 from vsensor.service.recording import Recorder, Recording
-from vsensor.service.reload import Reload, take_up
+from vsensor.service.reload import REFUSED, Reload, take_up
 from vsensor.service.seat import Seat
 from vsensor.service.shed import NO_FORECAST, NO_PROFILE
 from vsensor.service.voice import Sent, Voice
@@ -108,8 +108,8 @@ class Daemon:
         self._chores = Chores(rig.loop.rate)
         self._turns_apart = max(1, round(rig.loop.rate / ASIDE_HZ))
         self._ration = Ration(rig.loop.rate)
-        self.fault = ""
-        """What made the last unreadable sample unreadable."""
+        self.faults: dict[str, str] = {}
+        """What made the last unreadable sample of each topic unreadable."""
         self._owed = Owed(rig.loop.rate)
         self._reload = reload
         alone = not (rig.bus.connect or rig.bus.multicast_scouting)
@@ -123,7 +123,7 @@ class Daemon:
         if self._recording is not None:
             self._recording.remember()
         if self._keeper is not None and self._keeper.begun:
-            self.voice.tell(self._watch.note("learned", True, self._keeper.begun))
+            self.voice.tell(self._watch.note("learned", not self._keeper.refused, self._keeper.begun))
         second = 0
         for slot in pace.slots():
             begun = time.monotonic_ns()
@@ -193,7 +193,7 @@ class Daemon:
                 self._engine.intake.refuse_unread(received.topic)
                 continue
             if received.unreadable is not None:
-                self.fault = f"{received.topic}: a sample {received.unreadable.fault}"
+                self.faults[received.topic] = f"a sample {received.unreadable.fault}"
             self.voice.record_received(received)
             for tick, estimate in self._engine.take(received.topic, received.sample):
                 if self.health.shedding.level < NO_PROFILE and (noted := self._profiler.note(estimate)):
@@ -267,7 +267,8 @@ class Daemon:
         if self._reload is None or (read := self._reload.result(self._rig)) is None:
             return
         self._rig, done = take_up(self._rig, read, self.health, self._recorder)
-        self.voice.tell(self._watch.note("configuration", True, f"the configuration was read again: {done}"))
+        words = f"the configuration was read again: {done}"
+        self.voice.tell(self._watch.note("configuration", not done.startswith(REFUSED), words))
 
     def _each_second_seen(self) -> Iterator[Event]:
         yield from self._watch.second(self.health.severity, self.health.input_lost)

@@ -20,6 +20,7 @@ EVERY_S = 30.0
 """How often it is saved; a string that has become longer is saved at once."""
 END_S = 5.0
 """How long the last saving may take."""
+REFUSED = "what was learned before is refused"
 MOST_BYTES = 10_000_000
 """What is learned takes some kilobytes."""
 
@@ -42,7 +43,7 @@ def take_up(path: Path, rig: Rig, engine: Engine) -> str:
     except FileNotFoundError:
         return ""
     except (OSError, ValueError, DecodeError) as error:
-        return f"what was learned before is refused{_put_aside(path)}: {error}"
+        return f"{REFUSED}{_put_aside(path)}: {error}"
     when = time.strftime("%Y-%m-%d %H:%M:%S UTC", time.gmtime(before.saved_ns / 1e9))
     return f"goes on with what was learned until {when}, a string of {before.string_length_m:.1f} m"
 
@@ -74,6 +75,11 @@ class Keeper:
         self._orders: queue.SimpleQueue[Learned | None] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._work, name="keeper", daemon=True)
         self._thread.start()
+
+    @property
+    def refused(self) -> bool:
+        """Whether what the file held could not be taken up."""
+        return self.begun.startswith(REFUSED)
 
     def each_second(self) -> None:
         """Have it saved, where that is due and the last saving is done."""

@@ -91,7 +91,7 @@ class Recording:
         if not given:
             raise ValueError("the recorder cannot take the order now: say it again")
         done = {
-            "start": f"recording into {path}",
+            "start": f"is to record into {path}: `vsensor status` says whether it does",
             "stop": f"{recorder.path} ends here",
             "split": f"{recorder.path} ends here, {path} goes on",
             SNAPSHOT: f"the last {_minutes(min(seconds, self._held_s()))} are being written to {path}",

@@ -12,6 +12,8 @@ from vsensor.service.recording import Recorder
 
 SAFE = ("loop.realtime", "loop.priority", "loop.processors", "loop.stay_awake", "view")
 """Keys, or tables, that the estimates do not hang on, and that can be taken up between two ticks."""
+REFUSED = "refused: "
+"""With this begins what was done where nothing was taken up."""
 
 
 def changes(before: Rig, after: Rig) -> dict[str, str]:
@@ -52,13 +54,13 @@ class Reload:
         read = self._came.pop() if self._came else ConfigError(f"{self._path}: cannot be read")
         self._thread = None
         if isinstance(read, ConfigError):
-            return now, f"refused: {read}"
+            return now, f"{REFUSED}{read}"
         changed = changes(now, read)
         if not changed:
             return now, "nothing has changed"
         if unsafe := {key: change for key, change in changed.items() if not is_safe(key)}:
             told = "; ".join(f"{key} {change}" for key, change in unsafe.items())
-            return now, f"refused: {told}: needs a new start, for estimates or connections hang on it"
+            return now, f"{REFUSED}{told}: needs a new start, for estimates or connections hang on it"
         return read, "taken up: " + "; ".join(f"{key} {change}" for key, change in changed.items())
 
     def _read(self) -> None:
@@ -79,7 +81,7 @@ def take_up(now: Rig, read: tuple[Rig, str], health: Health, recorder: Recorder 
             health.realtime = achieve(rig.loop, health.realtime.others)
         except VsensorError as error:
             achieve(now.loop, health.realtime.others)
-            return now, f"refused: {error}"
+            return now, f"{REFUSED}{error}"
     if recorder is not None and rig is not now:
         recorder.describe(effective_toml(rig), health.realtime.as_metadata())
     return rig, done

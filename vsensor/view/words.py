@@ -7,6 +7,7 @@ from collections.abc import Callable
 from vsensor.grid import NS
 from vsensor.messages import Estimate, Event, Status
 from vsensor.messages.books import LOSSES
+from vsensor.messages.events import is_refusal, verb
 from vsensor.view.readings import Reading, reading
 from vsensor.view.units import Units
 
@@ -49,8 +50,8 @@ def silence(seconds: float) -> str:
 def told(event: Event) -> tuple[str, str]:
     """An event as a line of the log: its level, and its words with the time of day."""
     name = event.name.replace("_", " ")
-    level = "WARN" if event.begins else "INFO"
-    return level, f"{clock(event.time_ns)} {name if event.begins else f'{name} ends'}: {event.text}"
+    level = "WARN" if event.begins or is_refusal(event) else "INFO"
+    return level, f"{clock(event.time_ns)} {name if event.begins else f'{name} {verb(event)}'}: {event.text}"
 
 
 def clock(time_ns: int) -> str:
