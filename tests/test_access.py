@@ -220,7 +220,7 @@ def test_the_script_says_how_it_is_used() -> None:
 
 def test_the_script_tells_what_openssl_refuses_and_leaves_no_half_of_it(tmp_path: Path) -> None:
     def made(*words: str) -> "subprocess.CompletedProcess[str]":
-        command = [EXAMPLES / "make-authority.sh", tmp_path, *words]
+        command = [f"{EXAMPLES / 'make-authority.sh'}", f"{tmp_path}", *words]
         return subprocess.run(command, capture_output=True, text=True, check=False)
 
     refused = made("IP:9.9.9.9")

@@ -11,7 +11,7 @@ from tests.observer import LINEAR
 from vsensor.estimator.estimator import Estimator
 from vsensor.estimator.score import NOW, REST, SPEED, expect, foretell, fresh_scores, missed, score
 from vsensor.estimator.sections import Floats
-from vsensor.estimator.tune import wall_torque
+from vsensor.estimator.tune import FRICTION, fresh_tuning, wall_torque
 
 RATE = 50.0
 
@@ -106,6 +106,9 @@ def test_the_walls_torque_is_that_of_all_junctions_and_against_the_motion(linear
     line = linear.line
     line = line._replace(kinetic=np.full_like(line.kinetic, 10.0))
     viscous, count = float(line.viscous.sum()), len(line.kinetic)
-    assert wall_torque(line, 3.0) == pytest.approx(3 * viscous + 10 * count)
-    assert wall_torque(line, -3.0) == pytest.approx(-3 * viscous - 10 * count)
-    assert wall_torque(line, 0.0) == 0.0
+    tuning = fresh_tuning(LINEAR.tuning, 1.0)
+    assert wall_torque(line, tuning, 3.0) == pytest.approx(3 * viscous + 10 * count)
+    assert wall_torque(line, tuning, -3.0) == pytest.approx(-3 * viscous - 10 * count)
+    assert wall_torque(line, tuning, 0.0) == 0.0
+    tuning.value[FRICTION] = 0.25  # the line is the corrected one, and the torque that of the configured
+    assert wall_torque(line, tuning, 3.0) == pytest.approx((3 * viscous + 10 * count) / 1.25)

@@ -25,6 +25,7 @@ from vsensor.messages import (
 )
 from vsensor.messages.vsensor_pb2 import GOOD
 from vsensor.recording.reader import Session
+from vsensor.recording.recover import recover
 from vsensor.recording.writer import SessionWriter
 from vsensor.report.gather import gather
 from vsensor.report.report import report
@@ -146,6 +147,16 @@ def test_estimates_that_never_got_warm_are_told_so(tmp_path: Path) -> None:
     assert "nothing is known of the bit" in html
     words = re.sub(r"<[^>]+>", " ", re.sub(r"<(script|style).*?</\1>", "", html, flags=re.DOTALL))
     assert not re.search(r"\bnan\b", words)
+
+
+def test_what_is_missing_of_a_torn_session_and_of_a_mended_one_is_told(tmp_path: Path) -> None:
+    whole = written(tmp_path / "a.mcap", bit_at([9.0] * 600))
+    assert "The session is" not in report(whole)
+    (tmp_path / "torn.mcap").write_bytes(whole.path.read_bytes()[:-5000])
+    torn = Session(tmp_path / "torn.mcap")
+    assert "The session is torn, damaged or still being written: " in report(torn)
+    html = report(Session(recover(torn.path, tmp_path / "mended.mcap").path))
+    assert re.search(r"The session was recovered from torn\.mcap, of which .* could not be read", html)
 
 
 def test_names_cannot_become_part_of_the_page(tmp_path: Path) -> None:

@@ -37,7 +37,12 @@ def report(session: Session) -> str:
         f"{summary.rig or 'a rig without a name'} · {words.began(summary.first_ns)} · "
         f"{words.lasted(summary.duration_s)} · {session.path.name}"
     )
-    said = (words.headline(story, severity, sticks), words.strained(story.along))
+    shortfall = session.shortfall()
+    said = (
+        words.headline(story, severity, sticks),
+        words.strained(story.along),
+        f"The session {shortfall}." if shortfall else "",
+    )
     parts = _parts(session, story, summary, severity, (worst[1] - worst[0]) / 1e9, set(drawn))
     return page(
         f"Report: {session.path.name}",
