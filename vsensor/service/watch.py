@@ -49,7 +49,9 @@ class Watch:
     def __init__(self, rig: Rig) -> None:
         self.sticks = Sticks(rig)
         self._input = Condition(
-            "input_lost", "a surface channel is silent", "both surface channels speak again"
+            "input_lost",
+            "a surface channel is silent, or both repeat their last readings",
+            "both surface channels speak again",
         )
         self._stuck = Condition(
             "stuck",
