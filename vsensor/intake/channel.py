@@ -107,9 +107,11 @@ class Channel:
 
     def falls_back(self, sample: Sample) -> bool:
         """Whether a sample, and those before it, lie behind what was told, and are no old ones sent again."""
-        due = self.sequence.due
-        if due is None or not sample.HasField("sequence") or sample.sequence >= due:
-            self.clock.note(sample.time_ns, self.newest_ns)
+        newest_ns, due = self.newest_ns, self.sequence.due
+        if newest_ns is None or sample.time_ns > newest_ns:
+            self.clock.forget()
+        elif due is None or not sample.HasField("sequence") or sample.sequence >= due:
+            self.clock.falls_behind(sample.time_ns)
         return self.clock.fell_back
 
     def refuse_unread(self) -> None:

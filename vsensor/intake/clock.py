@@ -49,20 +49,18 @@ class Clock:
         self.forget()
 
     def forget(self) -> None:
-        """Begin anew; what is usual stays."""
+        """Take it that nothing lies behind; what is usual stays."""
         self.behind = NONE
 
     @property
     def fell_back(self) -> bool:
         """Whether all that comes lies behind what was told."""
-        count, begun_ns, newest_ns = self.behind
-        return count >= FEWEST and newest_ns - begun_ns >= LASTING_NS
+        behind = self.behind
+        return behind.samples >= FEWEST and behind.newest_ns - behind.begun_ns >= LASTING_NS
 
-    def note(self, time_ns: int, newest_ns: int | None) -> None:
-        """Take account of a sample that is no old one sent again; `newest_ns` is the latest before it."""
-        if newest_ns is None or time_ns > newest_ns:
-            self.behind = NONE
-        elif self.behind.samples and time_ns > self.behind.newest_ns:
+    def falls_behind(self, time_ns: int) -> None:
+        """Take account of a sample that lies behind what was told, and is no old one sent again."""
+        if self.behind.samples and time_ns > self.behind.newest_ns:
             self.behind = Behind(self.behind.samples + 1, self.behind.begun_ns, time_ns)
         else:
             self.behind = Behind(1, time_ns, time_ns)
@@ -75,7 +73,9 @@ class Clock:
         apart = time_ns - told_ns
         if apart > SHORTEST_NS and len(self.apart) >= KNOWN and apart > HOLE * max(self.apart):
             self.hole = (told_ns, time_ns)
-        self.apart = [*self.apart[1 - LATELY :], apart]
+        self.apart.append(apart)
+        if len(self.apart) > LATELY:
+            del self.apart[0]
 
     def hole_with(self, other: "Clock") -> tuple[int, int]:
         """The newest hole as far as the other has it too: from, to."""

@@ -270,8 +270,7 @@ class Intake:
         if torque is None or speed is None:
             return None
         reasons = torque[1] | speed[1]
-        begun_ns, ended_ns = self.hole
-        if begun_ns < time_ns < ended_ns:
+        if time_ns < self._torque.clock.hole[1] and self.hole[0] < time_ns < self.hole[1]:
             reasons |= _GAP_BRIDGED
         reasons |= self.frozen.take(torque[0], speed[0], reasons)
         if longer_by := self.depths.longer_by():
