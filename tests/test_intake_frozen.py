@@ -23,11 +23,11 @@ FROZEN_TICKS = round(LASTING_S * 100)
 STALE = Reason.STALE_TORQUE | Reason.STALE_SPEED
 
 
-def feed(values: Iterable[tuple[float, float]]) -> list[tuple[str, Sample]]:
+def feed(values: Iterable[tuple[float, float]], first: int = 0) -> list[tuple[str, Sample]]:
     """Torque and speed at 100 Hz."""
     return [
         (topic, Sample(time_ns=BEGUN + 10 * MS * k, value=value, sequence=k))
-        for k, pair in enumerate(values)
+        for k, pair in enumerate(values, first)
         for topic, value in zip((T, S), pair, strict=True)
     ]
 
@@ -80,6 +80,37 @@ def test_the_fourth_time_is_enough_for_a_channel_that_seldom_repeats_itself(of: 
     assert {k for k, flags in enumerate(told) if flags} == held
     silent = Reason.STALE_SPEED if of else Reason.STALE_TORQUE
     assert {told[k] for k in held} == {reason | silent}
+
+
+def test_both_frozen_together_are_never_good_and_soon_silent() -> None:
+    """A gateway that has lost its source repeats the last of both, with new times."""
+    values = noisy(3000)
+    values[1300:1400] = [values[1300]] * 100
+    values[2000:2008] = [values[2000]] * 8
+    frozen = Reason.FROZEN_TORQUE | Reason.FROZEN_SPEED
+    told = reasons(values)
+    assert {k for k, flags in enumerate(told) if flags} == {*range(1303, 1400), *range(2003, 2008)}
+    assert set(told[1303:1330]) == set(told[2003:2008]) == {frozen}
+    assert set(told[1330:1400]) == {frozen | STALE}
+
+
+def test_whether_both_have_frozen_is_known_while_it_lasts() -> None:
+    intake, values = Intake(SMALL), noisy(1500)
+    for since, lost in ((None, False), (1500, True)):
+        told = values if since is None else [values[-1]] * 100
+        ticks(feed(told, since or 0), intake)
+        assert intake.frozen.silent is lost
+    ticks(feed(noisy(1), 1600), intake)
+    assert not intake.frozen.silent
+
+
+def test_both_may_repeat_themselves_at_rest_or_where_they_often_do_or_have_no_noise() -> None:
+    turned = noisy(2000)
+    assert not any(reasons([*turned, *[(0.0, 0.0)] * 3000, *turned[:50], *[(812.5, 0.0)] * 3000]))
+    coarse = [(round(torque, -2), round(speed, 1)) for torque, speed in turned]
+    assert not any(reasons([*coarse, *[coarse[-1]] * 500]))
+    for ever in ({"torque_noise": 0.0}, {"speed_noise": 0.0}):
+        assert not any(reasons([*turned, *[turned[-1]] * 500], **ever))
 
 
 def test_a_channel_that_is_read_less_often_from_now_on_is_not_frozen_for_long() -> None:

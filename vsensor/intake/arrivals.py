@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vsensor.intake.intake import Input
+from vsensor.intake.given import Input
 from vsensor.messages import SURFACE_SPEED, SURFACE_TORQUE, Event, Sample
 from vsensor.messages.vsensor_pb2 import Quality as QualityMessage
 

@@ -5,11 +5,13 @@ from bisect import bisect
 from itertools import pairwise
 from typing import Any, NamedTuple
 
+from vsensor.intake.clock import Clock
 from vsensor.intake.leaps import Leaps
 from vsensor.intake.reach import Reach
 from vsensor.intake.repeats import Heard, Repeats
 from vsensor.intake.sequence import Sequence
 from vsensor.messages import ChannelStatus, Sample
+from vsensor.messages.books import REFUSALS
 from vsensor.quality import Quality, Reason
 from vsensor.saved import Saved
 
@@ -41,19 +43,7 @@ class Channel:
         self, name: str, limit: float, noise: float, stale: Reason, reach: Reach, max_gap_ns: int
     ) -> None:
         self.counts = ChannelStatus(
-            channel=name,
-            received=0,
-            accepted=0,
-            lost=0,
-            unreadable=0,
-            not_finite=0,
-            out_of_range=0,
-            doubled=0,
-            late=0,
-            jumped=0,
-            bad_at_source=0,
-            over_rate=0,
-            strays=0,
+            channel=name, received=0, accepted=0, lost=0, **dict.fromkeys(REFUSALS, 0)
         )
         self._stale = int(stale)
         self.limit = limit
@@ -61,6 +51,7 @@ class Channel:
         self.reach = reach
         self.repeats = Repeats(max_gap_ns)
         self.sequence = Sequence()
+        self.clock = Clock()
         self.pace_ns: int | None = None
         """How far apart its two newest samples are."""
         self.waiting: Point | None = None
@@ -77,6 +68,7 @@ class Channel:
         self.waiting = None
         self.reach.apart = None
         self.repeats.forget()
+        self.clock.forget()
         self.points: list[Point] = []
 
     @property
@@ -106,9 +98,21 @@ class Channel:
     def follow(self, sample: Sample) -> None:
         """Follow the sequence: a hole is a loss, until the missing one comes late after all."""
         if sample.HasField("sequence"):
+            self.clock.follow(sample.time_ns, sample.sequence == self.sequence.due)
             more = self.sequence.follow(sample.sequence, sample.time_ns == self._told_last_ns())
             # What was missed before a state was taken up is in no count.
             self.counts.lost = max(self.counts.lost + more, 0)
+        else:
+            self.clock.told_ns = None
+
+    def falls_back(self, sample: Sample) -> bool:
+        """Whether a sample, and those before it, lie behind what was told, and are no old ones sent again."""
+        newest_ns, due = self.newest_ns, self.sequence.due
+        if newest_ns is None or sample.time_ns > newest_ns:
+            self.clock.forget()
+        elif due is None or not sample.HasField("sequence") or sample.sequence >= due:
+            self.clock.falls_behind(sample.time_ns)
+        return self.clock.fell_back
 
     def refuse_unread(self) -> None:
         """Count a sample that came too fast; the hole that it leaves in the sequence is no loss."""
@@ -130,6 +134,8 @@ class Channel:
             self.counts.strays += 1
             return
         reasons = _SOURCE_UNCERTAIN if sample.quality == _UNCERTAIN else 0
+        if self.sequence.contested:  # whose it is nobody knows
+            reasons |= self._stale
         point = Point(sample.time_ns, sample.value, reasons)
         waiting = self.waiting
         if waiting is None or point.time_ns <= self.points[-1].time_ns:
@@ -226,6 +232,7 @@ class Channel:
             "repeats": self.repeats.save(),
             "leaps": self.leaps.save(),
             "apart": self.reach.save(),
+            "clock": self.clock.save(),
         }
 
     def restore(self, saved: Saved) -> None:
@@ -245,6 +252,8 @@ class Channel:
         saved.get("leaps", None).or_none(self.leaps.restore)
         self.reach.apart = None
         saved.get("apart", None).or_none(lambda apart: self.reach.restore(apart, FARTHEST_NS))
+        self.clock = Clock()
+        saved.get("clock", None).or_none(self.clock.restore)
 
     def _point(self, saved: Saved) -> Point:
         time_ns, value, flags = saved.row(3)

@@ -5,7 +5,8 @@ change the last digit of a reading that lives: where one seldom repeats itself, 
 the string is turned, and such a channel is then as silent as one that tells nothing. One that is read in
 coarse steps, or passed on more often than it is read, repeats itself now and then: for how long is usual the
 channel itself tells. Where both stand still, as before the string turns, nothing is held against it, nor
-where the configuration says that a channel is without noise.
+where the configuration says that a channel is without noise. But where both seldom repeat themselves, and do
+so together at the speed of a string that is turned, a gateway has lost the source of both.
 """
 
 import math
@@ -37,6 +38,8 @@ speed beyond as many is one of a string that is turned."""
 MOST_TICKS = 1 << 53
 """A recorded state that tells of more was damaged: numbers beyond are not whole ones any more."""
 
+_FROZEN = int(Reason.FROZEN_TORQUE | Reason.FROZEN_SPEED)
+_SILENT = int(Reason.STALE_TORQUE | Reason.STALE_SPEED)
 _Number = float | NDArray[np.float64]
 
 
@@ -63,7 +66,7 @@ class _Reading:
         self._reason = int(reason)
         self._is_speed = reason is Reason.FROZEN_SPEED
         self._silent = int(Reason.STALE_SPEED if self._is_speed else Reason.STALE_TORQUE)
-        self._surely = max(SURELY_TICKS, round(SURELY_S * rate))
+        self._surely = _surely(rate)
         self._lasting = max(self._surely, round(LASTING_S * rate))
         self._known = round(KNOWN_S * rate)
         self._moved = moved
@@ -95,8 +98,11 @@ class _Reading:
         self.run = Run(value, 1, other, other)
         return 0
 
-    def flags(self, values: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.uint32]:
-        flags = np.zeros(len(values), np.uint32)
+    def flags(
+        self, values: NDArray[np.float64], others: NDArray[np.float64]
+    ) -> tuple[NDArray[np.uint32], NDArray[np.int64]]:
+        """Flags of n ticks, and how often each value was told, 0 where that is not unusual; shapes (n,)."""
+        flags, held = np.zeros(len(values), np.uint32), np.zeros(len(values), np.int64)
         if values[0] != self.run.value:
             self._end()
         bounds = np.concatenate(([0], np.flatnonzero(np.diff(values)) + 1, [len(values)]))
@@ -108,11 +114,13 @@ class _Reading:
             self._end_short(lengths[done:which])
             done = which + 1
             part = slice(bounds[which], bounds[which + 1])
-            held = self.run if which == 0 else NO_RUN
-            self.run = self._go_on(held, float(values[part.start]), others[part], flags[part])
+            run = self.run if which == 0 else NO_RUN
+            if self.seldom_repeats:
+                held[part] = run.ticks + np.arange(1, lengths[which] - run.ticks + 1)
+            self.run = self._go_on(run, float(values[part.start]), others[part], flags[part])
             if done < len(lengths):
                 self._end()
-        return flags
+        return flags, held
 
     def _go_on(self, held: Run, value: float, others: NDArray[np.float64], flags: NDArray[np.uint32]) -> Run:
         """Flag what is frozen of a run that goes on from another; returns the whole of it."""
@@ -120,14 +128,14 @@ class _Reading:
         high = np.maximum.accumulate(np.append(held.high, others))[1:]
         ticks = held.ticks + np.arange(1, len(others) + 1)
         frozen = (ticks > self._least()) & (high - low > self._moved)
-        if self._seldom_repeats:
+        if self.seldom_repeats:
             frozen |= (ticks > BY_CHANCE) & (high > low) & self._is_turned(value, low, high)
         flags[frozen] = self._flag
         return Run(value, int(ticks[-1]), float(low[-1]), float(high[-1]))
 
     @property
     def _flag(self) -> int:
-        return self._reason | (self._silent if self._seldom_repeats else 0)
+        return self._reason | (self._silent if self.seldom_repeats else 0)
 
     def _is_frozen(self, run: Run) -> bool:
         value, ticks, low, high = run
@@ -135,7 +143,7 @@ class _Reading:
             return False
         if high - low > self._moved and ticks > self._least():
             return True
-        return self._seldom_repeats and high > low and bool(self._is_turned(value, low, high))
+        return self.seldom_repeats and high > low and bool(self._is_turned(value, low, high))
 
     def _least(self) -> int:
         """Ticks beyond which a run is unusual for what repeats itself."""
@@ -143,7 +151,7 @@ class _Reading:
         return max(least, UNUSUAL * self.longest)
 
     @property
-    def _seldom_repeats(self) -> bool:
+    def seldom_repeats(self) -> bool:
         """Whether that is known; where one is read less often from now on the run before says so."""
         return self.runs >= self._known and self.before <= 1 and self._seldom(self.runs)
 
@@ -205,6 +213,8 @@ class Frozen:
         rate, torque, speed = rig.loop.rate, rig.measurement.torque_noise, rig.measurement.speed_noise
         moved, turned = MOVED * torque, MOVED * speed
         never = math.inf
+        self._turned = turned if torque and speed else never
+        self._surely = _surely(rate)
         self._torque = _Reading(Reason.FROZEN_TORQUE, rate, *((turned, turned) if torque else (never, never)))
         self._speed = _Reading(Reason.FROZEN_SPEED, rate, *((moved, turned) if speed else (never, never)))
 
@@ -215,13 +225,33 @@ class Frozen:
 
     def take(self, torque: float, speed: float, reasons: int) -> int:
         """The next tick's values, and flags of what is wrong with them; returns those of what is besides."""
-        return self._torque.take(torque, speed, reasons) | self._speed.take(speed, torque, reasons)
+        flags = self._torque.take(torque, speed, reasons) | self._speed.take(speed, torque, reasons)
+        return flags | self._of_both()
+
+    @property
+    def silent(self) -> bool:
+        """Whether both channels repeat themselves, as they do not, and are taken for silent."""
+        return self._of_both() & _SILENT != 0
+
+    def _of_both(self) -> int:
+        ticks = min(self._torque.run.ticks, self._speed.run.ticks)
+        if ticks <= BY_CHANCE or not abs(self._speed.run.value) > self._turned:
+            return 0
+        if not (self._torque.seldom_repeats and self._speed.seldom_repeats):
+            return 0
+        return _FROZEN | _SILENT if ticks > self._surely else _FROZEN
 
     def flags(self, torque: NDArray[np.float64], speed: NDArray[np.float64]) -> NDArray[np.uint32]:
         """The same of n ticks with which nothing is wrong, shape (n,)."""
         if not len(torque):
             return np.zeros(0, np.uint32)
-        return self._torque.flags(torque, speed) | self._speed.flags(speed, torque)
+        of_torque, torque_held = self._torque.flags(torque, speed)
+        of_speed, speed_held = self._speed.flags(speed, torque)
+        flags, held = of_torque | of_speed, np.minimum(torque_held, speed_held)
+        both = (held > BY_CHANCE) & (np.abs(speed) > self._turned)
+        flags[both] |= _FROZEN
+        flags[both & (held > self._surely)] |= _SILENT
+        return flags
 
     def save(self) -> list[list[float | None]]:
         """What is remembered, as plain values: JSON knows neither NaN nor infinity."""
@@ -231,6 +261,10 @@ class Frozen:
         """Take up what `save` gave. Raises ValueError for what it cannot have given."""
         for reading, row in zip((self._torque, self._speed), saved.row(2), strict=True):
             reading.restore(row)
+
+
+def _surely(rate: float) -> int:
+    return max(SURELY_TICKS, round(SURELY_S * rate))
 
 
 def _number(saved: Saved, otherwise: float) -> float:

@@ -7,7 +7,7 @@ offline or replayed.
 
 import math
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from vsensor.errors import InputError
 from vsensor.grid import NS, Grid
 from vsensor.intake.channel import FARTHEST_NS, Channel, a_time
 from vsensor.intake.frozen import Frozen
+from vsensor.intake.given import Input
 from vsensor.intake.reach import Reach, rate_of
 from vsensor.intake.sound import Laid, refuse_unsound
 from vsensor.messages import DEPTH_TOPICS, SURFACE_SPEED, SURFACE_TORQUE, Event, Sample
@@ -29,24 +30,7 @@ FORECAST_SHED = "forecast_shed"
 """The name of an event: the loop was short of time from here on, or no longer, and foretold nothing."""
 OBEYED = (COMMAND, FORECAST_SHED)
 """Names of recorded events that change what comes of the samples behind them."""
-_STRING_CHANGED = int(Reason.STRING_CHANGED)
-
-
-class Input(NamedTuple):
-    """What the estimator is given at one tick."""
-
-    number: int
-    """Ticks since the grid was last laid; 0 means that the estimator must forget all input."""
-    time_ns: int
-    motor_torque: float
-    motor_speed: float
-    reasons: int
-    """Flags of `Reason`."""
-    off_bottom: bool = False
-    longer_by: float = 0.0
-    """By how much the string has become longer since the tick before, m."""
-    forecast_shed: bool = False
-    """Nothing is to be foretold: the loop is short of time."""
+_STRING_CHANGED, _GAP_BRIDGED = int(Reason.STRING_CHANGED), int(Reason.GAP_BRIDGED)
 
 
 class Intake:
@@ -144,6 +128,8 @@ class Intake:
             channel.counts.unreadable += 1
             return []
         if channel.believes(sample) and channel.is_new(sample):
+            if channel.falls_back(sample) and all(each.clock.fell_back for each in self.channels.values()):
+                self._begin_anew()
             waiting = channel.waiting
             if waiting is not None and 0 < sample.time_ns - waiting.time_ns <= self._restart_gap_ns:
                 channel.settle(sample.value, self._consumed_ns)
@@ -163,9 +149,19 @@ class Intake:
         return self._consumed_ns is not None and self.depths.silent(self._consumed_ns)
 
     @property
+    def contested(self) -> tuple[str, ...]:
+        """The topics of channels that two publishers tell."""
+        return tuple(topic for topic, channel in self.channels.items() if channel.sequence.contested)
+
+    @property
     def beats(self) -> tuple[int, int]:
         """How often each reading of torque and of speed is told; 0 where as often as it is read."""
         return self._torque.repeats.heard.beat, self._speed.repeats.heard.beat
+
+    @property
+    def hole(self) -> tuple[int, int]:
+        """Where, in time, both channels have a hole though no sample of them is missing: from, to."""
+        return self._torque.clock.hole_with(self._speed.clock)
 
     @property
     def next_number(self) -> int:
@@ -241,10 +237,13 @@ class Intake:
             self._jump_ns[topic] = time_ns
             channel.counts.jumped += 1
             return False
+        self._begin_anew()
+        return True
+
+    def _begin_anew(self) -> None:
         self._jump_ns.clear()
         self._lay_anew()
         self.restarts += 1
-        return True
 
     def _ready(self) -> Iterator[Input]:
         while (given := self._next()) is not None:
@@ -271,6 +270,8 @@ class Intake:
         if torque is None or speed is None:
             return None
         reasons = torque[1] | speed[1]
+        if time_ns < self._torque.clock.hole[1] and self.hole[0] < time_ns < self.hole[1]:
+            reasons |= _GAP_BRIDGED
         reasons |= self.frozen.take(torque[0], speed[0], reasons)
         if longer_by := self.depths.longer_by():
             reasons |= _STRING_CHANGED

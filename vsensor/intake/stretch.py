@@ -54,7 +54,11 @@ class Track(NamedTuple):
     changes: Floats
     """From one reading to the next."""
     sequence: int | None
-    """The last number, None where they have none."""
+    """The last number, None where they have none;"""
+    told_ns: int
+    """the last one's time,"""
+    apart: list[int] | None
+    """and how far apart they are in time, where they have numbers."""
 
     @staticmethod
     def of(channel: Channel, arrivals: Arrivals, limits: tuple[float, int]) -> "Track | None":
@@ -64,6 +68,8 @@ class Track(NamedTuple):
         """
         held = channel.points
         if not held or channel.waiting is not None or any(point.reasons for point in held):
+            return None
+        if channel.sequence.contested:
             return None
         times = np.append(np.array([point.time_ns for point in held]), arrivals.time_ns)
         values = np.append(np.array([point.value for point in held]), arrivals.value)
@@ -91,8 +97,11 @@ class Track(NamedTuple):
         if numbered and not _in_sequence(channel, arrivals):
             return None
         last = int(arrivals.sequence[-1]) if numbered else None
-        strays = int(looked.strays.sum())
-        return Track(channel, times, values, kept, strays, heard, looked.changes, last)
+        apart = channel.clock.look(arrivals.time_ns, channel.sequence.due is not None) if numbered else None
+        if numbered and apart is None:
+            return None
+        strays, told_ns = int(looked.strays.sum()), int(arrivals.time_ns[-1])
+        return Track(channel, times, values, kept, strays, heard, looked.changes, last, told_ns, apart)
 
     def at(self, time_ns: Integers) -> Floats:
         """The values at times between its first and last, by the intake's own arithmetic."""
@@ -114,8 +123,12 @@ class Track(NamedTuple):
         self.channel.counts.received += len(self.kept)
         self.channel.counts.strays += self.strays
         self.channel.counts.accepted += len(self.kept) - self.strays
-        if self.sequence is not None:
-            self.channel.sequence.due = self.sequence + 1
+        clock = self.channel.clock
+        clock.forget()
+        clock.told_ns = None
+        if self.sequence is not None and self.apart is not None:
+            self.channel.sequence.pass_over(self.sequence, len(self.kept))
+            clock.told_ns, clock.apart = self.told_ns, self.apart
 
 
 def _in_sequence(channel: Channel, arrivals: Arrivals) -> bool:
@@ -173,6 +186,8 @@ class Stretch(NamedTuple):
         )
         if count and (longer_by := intake.depths.longer_by()):
             ticks.longer_by[0], ticks.reasons[0] = longer_by, Reason.STRING_CHANGED
+        begun_ns, ended_ns = intake.hole
+        ticks.reasons[(time_ns > begun_ns) & (time_ns < ended_ns)] |= np.uint32(Reason.GAP_BRIDGED)
         ticks.reasons[:] |= intake.frozen.flags(ticks.motor_torque, ticks.motor_speed)
         for track in (self.torque, self.speed):
             track.hand_back(int(time_ns[-1]) if count else int(track.times[0]))

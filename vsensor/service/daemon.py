@@ -276,6 +276,8 @@ class Daemon:
         coarse, lasts = known.coarse_steps.tolist(), known.ticks_a_reading
         yield from self._watch.learned(known.tuning.tolist(), known.noisier, coarse, lasts)
         yield from self._watch.incoming(intake.depths, intake.depths_silent, intake.beats)
+        newest_ns = [channel.newest_ns for channel in intake.channels.values()]
+        yield from self._watch.sources(intake.contested, newest_ns)
 
     def _state(self) -> str:
         if not self._seat.taken:

@@ -130,9 +130,11 @@ class Health:
 
     @property
     def input_lost(self) -> bool:
-        """Whether both channels have spoken, and one has not for a second."""
+        """Whether both channels have spoken, and one has not for a second, or both repeat themselves."""
         if len(self._heard_ns) < len(self._accepted):
             return False
+        if self._engine.intake.frozen.silent:
+            return True
         return time.monotonic_ns() - min(self._heard_ns.values()) > SILENCE_NS
 
     def look_back(self) -> Iterator[None]:

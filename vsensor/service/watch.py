@@ -12,6 +12,7 @@ from vsensor.grid import NS
 from vsensor.intake import FORECAST_SHED
 from vsensor.messages import Estimate, Event, Profile, Tick
 from vsensor.messages.vsensor_pb2 import BAD
+from vsensor.service.clocks import Clocks
 from vsensor.service.shed import NO_FORECAST, NO_PROFILE
 from vsensor.service.sticks import Sticks
 
@@ -49,7 +50,9 @@ class Watch:
     def __init__(self, rig: Rig) -> None:
         self.sticks = Sticks(rig)
         self._input = Condition(
-            "input_lost", "a surface channel is silent", "both surface channels speak again"
+            "input_lost",
+            "a surface channel is silent, or both repeat their last readings",
+            "both surface channels speak again",
         )
         self._stuck = Condition(
             "stuck",
@@ -88,6 +91,15 @@ class Watch:
             "a channel repeats its readings, and what repeats one is no new reading: ",
             "no channel repeats its readings any longer",
         )
+        self._contested = Condition(
+            "contested",
+            "two publishers tell one channel, and neither is heeded: ",
+            "each channel is told by one publisher again",
+        )
+        self._clocks_apart = Condition(
+            "clocks_apart", "the channels' clocks are apart: ", "the channels' clocks agree again"
+        )
+        self._clocks = Clocks(rig)
         self._no_profile = Condition(
             "profile_shed",
             "the loop is short of time: no profile is told",
@@ -239,6 +251,15 @@ class Watch:
             self._depths.see(depths.at_odds, self._last_ns, length),
             self._depths_silent.see(depths_silent, self._last_ns),
             self._look_at_repeats(beats),
+        )
+        return [event for event in seen if event is not None]
+
+    def sources(self, contested: Sequence[str], newest_ns: Sequence[int | None]) -> list[Event]:
+        """Look at who tells the channels: which ones two do, and the newest times of torque and of speed."""
+        apart = self._clocks.apart(*newest_ns)
+        seen = (
+            self._contested.see(bool(contested), self._last_ns, ", ".join(contested)),
+            self._clocks_apart.see(bool(apart), self._last_ns, apart),
         )
         return [event for event in seen if event is not None]
 
