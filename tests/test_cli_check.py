@@ -104,6 +104,10 @@ def test_a_sound_rig_has_nothing_odd() -> None:
         (sound("bus", listen=["tls/rig.example:7447"]), 'bus.listen[1] "tls/rig.example:7447": open'),
         (sound("bus", multicast_scouting=True), "bus.multicast_scouting is on"),
         (
+            sound("loop", realtime="prefer", processors=[4095]),
+            "loop.processors: this machine has none of number 4095",
+        ),
+        (
             Rig.model_validate(SOUND | WELL | {"survey": [s | {"inclination": 0} for s in WELL["survey"]]}),
             "string: 2200 m without any friction",
         ),

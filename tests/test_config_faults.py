@@ -47,6 +47,10 @@ def faults(text: str) -> list[str]:
             "string[1].outer_diamter: no such key: did you mean outer_diameter?",
         ),
         (RIG + PIPE + "[loop]\ncolour = 1", "loop.colour: no such key: known here are rate"),
+        (
+            RIG + PIPE + '[recording]\nfolder = "re\\u0000c"',
+            "recording.folder: 're\\x00c' is no path: no file's name holds a zero",
+        ),
         (RIG + PIPE + "[loops]", "loops: no such key: did you mean loop?"),
         (RIG + PIPE + 'density = "-1 kg/m³"', "string[1].density = '-1 kg/m³': must be greater than 0"),
         (

@@ -157,7 +157,7 @@ POINTS: Place = ("channels", T, "points")
         (
             (*POINTS, 0, 2),
             1 << 40,
-            r"points\[0\]\[2\] holds 1099511627776 where a whole number from 0 to 511",
+            r"points\[0\]\[2\] holds 1099511627776 where a whole number from 0 to 1023",
         ),
         (POINTS, [], "surface/torque.points holds .* where a list that begins at"),
         (POINTS, [[BEGUN, 1.0, 0]] * 2, "surface/torque.points holds .* where a list in the order of time"),

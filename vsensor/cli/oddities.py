@@ -1,5 +1,6 @@
 """What looks odd in a configuration that is valid: likely slips, each as a sentence."""
 
+import os
 from collections.abc import Iterator
 from ipaddress import ip_address
 from itertools import pairwise
@@ -157,6 +158,11 @@ def _loop(rig: Rig) -> Iterator[str]:
         yield (
             f"loop.rate is {rig.loop.rate:g} Hz: leave it at 100 Hz even where samples come no faster, "
             "for what lies between them is then doubted as it should be"
+        )
+    if missing := set(rig.loop.processors) - os.sched_getaffinity(0):
+        yield (
+            f"loop.processors: this machine has none of number {', '.join(map(str, sorted(missing)))}, "
+            "or leaves it to others"
         )
 
 

@@ -2,6 +2,7 @@
 
 import math
 import re
+from pathlib import Path
 from typing import Annotated
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
@@ -27,6 +28,13 @@ def _without_secret(endpoint: object) -> object:
     return endpoint
 
 
+def _without_nul(path: object) -> object:
+    if "\0" in str(path):
+        raise ValueError(f"{str(path)!r} is no path: no file's name holds a zero")
+    return path
+
+
+Place = Annotated[Path, BeforeValidator(_without_nul)]
 Length = Annotated[float, quantity("m"), Field(gt=0)]
 Bore = Annotated[float, quantity("m"), Field(ge=0)]
 Modulus = Annotated[float, quantity("Pa"), Field(gt=0)]

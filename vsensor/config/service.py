@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 from vsensor.config.schema import (
     DataSize,
     Endpoint,
+    Place,
     PositiveTime,
     Processor,
     Rate,
@@ -55,17 +56,17 @@ class Bus(Table):
     connect: tuple[Endpoint, ...] = Field(default=(), description=_ENDPOINTS)
     max_rate: SampleRate = Field(default=5e3, description='a rate such as "5 kHz"')
     multicast_scouting: Switch = False
-    zenoh_config: Path | None = None
-    client_zenoh_config: Path | None = None
+    zenoh_config: Place | None = None
+    client_zenoh_config: Place | None = None
     user: str | None = Field(default=None, min_length=1)
-    password_file: Path | None = None
+    password_file: Place | None = None
 
 
 class Recording(Table):
     """Whether and where sessions are written, how long each is, and how long they are kept; 0 is no limit."""
 
     enabled: Switch = True
-    folder: Path = Path("recordings")
+    folder: Place = Path("recordings")
     compression: Literal["zstd", "lz4", "none"] = "zstd"
     split_every: Time = Field(default=3600.0, description='a time such as "1 h", or 0')
     split_size: DataSize = Field(default=1e9, description='a size such as "1 GB", or 0')
@@ -83,7 +84,7 @@ class KeptState(Table):
     """Whether and where what was learned is kept from one start to the next."""
 
     enabled: Switch = True
-    folder: Path = Path("state")
+    folder: Place = Path("state")
 
 
 class Metrics(Table):

@@ -17,6 +17,8 @@ CONDITIONS: Mapping[str, Colour] = {
     "over_torque": VERMILION,
     "depths_at_odds": YELLOW,
     "depths_silent": YELLOW,
+    "contested": YELLOW,
+    "clocks_apart": YELLOW,
     "off_bottom": BLUE,
     "connection": BLUE,
     "recording": GREEN,
