@@ -4,22 +4,8 @@ from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
-from typer.testing import CliRunner, Result
 
-from vsensor.cli.main import app
-
-CONFIG = """
-[rig]
-name = "rig-7"
-[[string]]
-length = "1000 m"
-outer_diameter = "5 in"
-inner_diameter = "4.276 in"
-"""
-
-
-def vsensor(*words: str | Path) -> Result:
-    return CliRunner().invoke(app, [str(word) for word in words])
+from tests.test_cli_recording import CONFIG, vsensor
 
 
 @pytest.fixture(scope="module")
