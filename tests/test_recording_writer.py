@@ -152,3 +152,20 @@ def test_a_time_that_the_format_cannot_hold_does_not_stop_the_recording(tmp_path
     assert record.message == wild
     nearest = min(max(time_ns, 0), (1 << 64) - 1)
     assert (record.log_time_ns, record.publish_time_ns) == (nearest, nearest)
+
+
+def test_a_folder_that_nobody_may_look_into_does_not_end_the_recording(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a.mcap"
+    with writer(path) as session:
+        with monkeypatch.context() as closed:
+            closed.setattr(Path, "stat", refused)
+            session.write(SURFACE_TORQUE, Sample(value=1.0).SerializeToString(), 1, 1)
+            session.sync()
+        session.write(SURFACE_TORQUE, Sample(value=2.0).SerializeToString(), 2, 2)
+    assert Session(path).summary().messages == 2
+
+
+def refused(path: Path) -> None:
+    raise PermissionError(13, "Permission denied", str(path))

@@ -207,6 +207,8 @@ class SessionWriter:
             there = self.part.stat()
         except (FileNotFoundError, NotADirectoryError):
             there = None
+        except OSError:  # a folder that nobody may look into any longer: it may well be there yet
+            return
         if there is None or not os.path.samestat(there, os.fstat(self._file.fileno())):
             self._abandon()
             raise GoneError(self.part)

@@ -14,6 +14,7 @@ from vsensor.tables.source import DAMAGED, check_columns
 
 _ROWS = 100_000
 _DAMAGED = (*DAMAGED, ValueError, EOFError, zipfile.BadZipFile, NotImplementedError)
+"""What is raised of files that are none: the last by `zipfile`, where one is packed as it cannot unpack."""
 _ENDING = ".npy"
 
 
