@@ -110,8 +110,9 @@ def test_a_damaged_file_is_put_aside_and_all_begins_anew(kept: Learned, tmp_path
     path = tmp_path / "test.learned"
     path.write_bytes(data)
     engine = Engine(SHORT)
-    said = take_up(path, SHORT, engine)
-    assert "refused and put aside" in said
+    begun = take_up(path, SHORT, engine)
+    assert begun.refused
+    assert "refused and put aside" in begun.words
     assert not path.exists()
     assert (tmp_path / "test.refused").read_bytes() == data
     assert engine.estimator.law == Engine(SHORT).estimator.law
@@ -133,7 +134,7 @@ def test_a_file_is_there_as_a_whole_or_as_it_was(tmp_path: Path, monkeypatch: py
 def test_a_disk_that_refuses_is_told_and_holds_nobody(engine: Engine, tmp_path: Path) -> None:
     (tmp_path / "state").write_text("a file where the folder should be")
     keeper = Keeper(tmp_path / "state" / "x.learned", SHORT, engine)
-    assert "refused: [Errno 20] Not a directory" in keeper.begun  # and nothing could be put aside
+    assert "refused: [Errno 20] Not a directory" in keeper.begun.words  # and nothing could be put aside
     keeper.save()
     keeper.close()
     assert "x.learned: cannot be written" in keeper.trouble

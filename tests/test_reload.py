@@ -17,7 +17,7 @@ from vsensor.config import Bus, Rig, effective_toml
 from vsensor.messages import SENSOR_EVENT, Event
 from vsensor.recording.reader import Session
 from vsensor.service.awake import DEVICE
-from vsensor.service.reload import Reload, changes, is_safe
+from vsensor.service.reload import Outcome, Reload, changes, is_safe
 
 
 def changed(**update: object) -> Rig:
@@ -48,11 +48,11 @@ def test_only_what_no_estimate_hangs_on_is_safe() -> None:
         assert not is_safe(key)
 
 
-def read(path: Path, now: Rig) -> tuple[Rig, str]:
+def read(path: Path, now: Rig) -> Outcome:
     reload = Reload(path)
     assert reload.result(now) is None
     reload.begin()
-    found: list[tuple[Rig, str]] = []
+    found: list[Outcome] = []
 
     def came() -> bool:
         found.extend(result for result in [reload.result(now)] if result is not None)
@@ -75,20 +75,21 @@ def read(path: Path, now: Rig) -> tuple[Rig, str]:
 def test_what_is_not_taken_up_leaves_all_as_it_was(tmp_path: Path, text: str, said: str) -> None:
     path = tmp_path / "rig.toml"
     path.write_text(text, encoding="utf-8")
-    rig, done = read(path, SHORT)
-    assert rig is SHORT
-    assert done.startswith(said)
+    done = read(path, SHORT)
+    assert done.rig is SHORT
+    assert done.words.startswith(said)
+    assert done.refused == said.startswith("refused")
 
 
 def test_of_a_file_with_one_unsafe_change_nothing_is_taken_up(tmp_path: Path) -> None:
     path = tmp_path / "rig.toml"
     path.write_text(effective_toml(REALTIME.model_copy(update={"string": LONGER.string})), encoding="utf-8")
-    rig, done = read(path, SHORT)
-    assert rig is SHORT
-    assert "loop" not in done
+    done = read(path, SHORT)
+    assert done.rig is SHORT
+    assert "loop" not in done.words
 
 
-def interrupted(reload: Reload, line: int) -> tuple[Rig, str] | None:
+def interrupted(reload: Reload, line: int) -> Outcome | None:
     """Its result, while a SIGHUP comes before that line of the method, counted as they are run."""
     run = 0
 
@@ -117,7 +118,7 @@ def test_a_signal_that_comes_while_the_result_is_asked_for_refuses_nothing(tmp_p
     reload = Reload(path)
     reload.begin()
     wait_until(lambda: not any(thread.name == "reload" for thread in threading.enumerate()), "it is read")
-    found: list[tuple[Rig, str]] = []
+    found: list[Outcome] = []
 
     def came() -> bool:
         found.extend(result for result in [reload.result(SHORT)] if result is not None)
@@ -125,7 +126,7 @@ def test_a_signal_that_comes_while_the_result_is_asked_for_refuses_nothing(tmp_p
 
     found.extend(result for result in [interrupted(reload, line)] if result is not None)
     wait_until(lambda: bool(found) or came(), "a result")
-    assert [said for _, said in found] == ["nothing has changed"]
+    assert [done.words for done in found] == ["nothing has changed"]
     wait_until(lambda: not any(thread.name == "reload" for thread in threading.enumerate()), "all is read")
 
 

@@ -140,8 +140,8 @@ def _kept(rig: Rig, engine: "Engine", say: "FilteringBoundLogger") -> "Iterator[
         yield None
         return
     keeper = Keeper(path_of(rig), rig, engine)
-    if keeper.begun:
-        (say.warning if keeper.refused else say.info)("learned before", what=keeper.begun)
+    if (begun := keeper.begun).words:
+        (say.warning if begun.refused else say.info)("learned before", what=begun.words)
     try:
         yield keeper
     finally:

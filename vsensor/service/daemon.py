@@ -33,7 +33,7 @@ from vsensor.service.profile import Noted, Profiler, profile_of, reckon
 from vsensor.service.ration import Ration
 from vsensor.service.realtime import Achieved
 from vsensor.service.recording import Recorder, Recording
-from vsensor.service.reload import REFUSED, Reload, take_up
+from vsensor.service.reload import Reload, take_up
 from vsensor.service.seat import Seat
 from vsensor.service.shed import NO_FORECAST, NO_PROFILE
 from vsensor.service.voice import Sent, Voice
@@ -122,8 +122,8 @@ class Daemon:
         """Turn once each slot until told to stop; `ears` hear the status of each second, one a turn."""
         if self._recording is not None:
             self._recording.remember()
-        if self._keeper is not None and self._keeper.begun:
-            self.voice.tell(self._watch.note("learned", not self._keeper.refused, self._keeper.begun))
+        if self._keeper is not None and (known := self._keeper.begun).words:
+            self.voice.tell(self._watch.note("learned", not known.refused, known.words))
         second = 0
         for slot in pace.slots():
             begun = time.monotonic_ns()
@@ -266,9 +266,10 @@ class Daemon:
         """Take up what may change of a configuration that was read again."""
         if self._reload is None or (read := self._reload.result(self._rig)) is None:
             return
-        self._rig, done = take_up(self._rig, read, self.health, self._recorder)
-        words = f"the configuration was read again: {done}"
-        self.voice.tell(self._watch.note("configuration", not done.startswith(REFUSED), words))
+        done = take_up(self._rig, read, self.health, self._recorder)
+        self._rig = done.rig
+        words = f"the configuration was read again: {done.words}"
+        self.voice.tell(self._watch.note("configuration", not done.refused, words))
 
     def _each_second_seen(self) -> Iterator[Event]:
         yield from self._watch.second(self.health.severity, self.health.input_lost)

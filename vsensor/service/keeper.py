@@ -8,6 +8,7 @@ import queue
 import threading
 import time
 from pathlib import Path
+from typing import NamedTuple
 
 from google.protobuf.message import DecodeError
 
@@ -20,7 +21,6 @@ EVERY_S = 30.0
 """How often it is saved; a string that has become longer is saved at once."""
 END_S = 5.0
 """How long the last saving may take."""
-REFUSED = "what was learned before is refused"
 MOST_BYTES = 10_000_000
 """What is learned takes some kilobytes."""
 
@@ -30,8 +30,15 @@ def path_of(rig: Rig) -> Path:
     return rig.state.folder / f"{rig.rig.name}.learned"
 
 
-def take_up(path: Path, rig: Rig, engine: Engine) -> str:
-    """Begin with what the file holds; returns what was done, "" where there is none.
+class Begun(NamedTuple):
+    """What was done with what the file held at the start: words, none where there was none."""
+
+    words: str = ""
+    refused: bool = False
+
+
+def take_up(path: Path, rig: Rig, engine: Engine) -> Begun:
+    """Begin with what the file holds; returns what was done.
 
     A file that does not fit is put aside under another name, and the words say why.
     """
@@ -41,11 +48,11 @@ def take_up(path: Path, rig: Rig, engine: Engine) -> str:
         before = Learned.FromString(path.read_bytes())
         begin_with(before, rig, engine.intake, engine.estimator)
     except FileNotFoundError:
-        return ""
+        return Begun()
     except (OSError, ValueError, DecodeError) as error:
-        return f"{REFUSED}{_put_aside(path)}: {error}"
+        return Begun(f"what was learned before is refused{_put_aside(path)}: {error}", refused=True)
     when = time.strftime("%Y-%m-%d %H:%M:%S UTC", time.gmtime(before.saved_ns / 1e9))
-    return f"goes on with what was learned until {when}, a string of {before.string_length_m:.1f} m"
+    return Begun(f"goes on with what was learned until {when}, a string of {before.string_length_m:.1f} m")
 
 
 def _put_aside(path: Path) -> str:
@@ -62,7 +69,6 @@ class Keeper:
 
     def __init__(self, path: Path, rig: Rig, engine: Engine) -> None:
         self.begun = take_up(path, rig, engine)
-        """What was done with what the file held at the start, in words."""
         self.trouble = ""
         """Why it could not be saved the last time."""
         self.saved_ns = 0
@@ -75,11 +81,6 @@ class Keeper:
         self._orders: queue.SimpleQueue[Learned | None] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._work, name="keeper", daemon=True)
         self._thread.start()
-
-    @property
-    def refused(self) -> bool:
-        """Whether what the file held could not be taken up."""
-        return self.begun.startswith(REFUSED)
 
     def each_second(self) -> None:
         """Have it saved, where that is due and the last saving is done."""

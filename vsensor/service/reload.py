@@ -2,7 +2,7 @@
 
 import threading
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from vsensor.config import Rig, differences, effective_toml, load
 from vsensor.errors import ConfigError, VsensorError
@@ -12,8 +12,19 @@ from vsensor.service.recording import Recorder
 
 SAFE = ("loop.realtime", "loop.priority", "loop.processors", "loop.stay_awake", "view")
 """Keys, or tables, that the estimates do not hang on, and that can be taken up between two ticks."""
-REFUSED = "refused: "
-"""With this begins what was done where nothing was taken up."""
+
+
+class Outcome(NamedTuple):
+    """What came of a new reading: the configuration from now on, and what was done, in words."""
+
+    rig: Rig
+    words: str
+    refused: bool = False
+
+    @classmethod
+    def refusal(cls, rig: Rig, why: object) -> "Outcome":
+        """Nothing was taken up."""
+        return cls(rig, f"refused: {why}", refused=True)
 
 
 def changes(before: Rig, after: Rig) -> dict[str, str]:
@@ -43,8 +54,8 @@ class Reload:
             self._thread = threading.Thread(target=self._read, name="reload", daemon=True)
             self._thread.start()
 
-    def result(self, now: Rig) -> tuple[Rig, str] | None:
-        """The configuration from now on, and what was done; None while nothing has come.
+    def result(self, now: Rig) -> Outcome | None:
+        """What comes of it; None while nothing has come.
 
         Nothing of a file is taken up where any of its changes needs a new start.
         """
@@ -54,14 +65,16 @@ class Reload:
         read = self._came.pop() if self._came else ConfigError(f"{self._path}: cannot be read")
         self._thread = None
         if isinstance(read, ConfigError):
-            return now, f"{REFUSED}{read}"
+            return Outcome.refusal(now, read)
         changed = changes(now, read)
         if not changed:
-            return now, "nothing has changed"
+            return Outcome(now, "nothing has changed")
         if unsafe := {key: change for key, change in changed.items() if not is_safe(key)}:
             told = "; ".join(f"{key} {change}" for key, change in unsafe.items())
-            return now, f"{REFUSED}{told}: needs a new start, for estimates or connections hang on it"
-        return read, "taken up: " + "; ".join(f"{key} {change}" for key, change in changed.items())
+            why = f"{told}: needs a new start, for estimates or connections hang on it"
+            return Outcome.refusal(now, why)
+        told = "; ".join(f"{key} {change}" for key, change in changed.items())
+        return Outcome(read, f"taken up: {told}")
 
     def _read(self) -> None:
         try:
@@ -70,21 +83,21 @@ class Reload:
             self._came.append(error)
 
 
-def take_up(now: Rig, read: tuple[Rig, str], health: Health, recorder: Recorder | None) -> tuple[Rig, str]:
-    """Take up, between two ticks, what was read; the configuration from now on, and what was done.
+def take_up(now: Rig, read: Outcome, health: Health, recorder: Recorder | None) -> Outcome:
+    """Take up, between two ticks, what was read; what came of it in the end.
 
     Sessions that begin later tell it, and what real-time settings were achieved with it.
     """
-    rig, done = read
+    rig = read.rig
     if rig.loop != now.loop:
         try:
             health.realtime = achieve(rig.loop, health.realtime.others)
         except VsensorError as error:
             achieve(now.loop, health.realtime.others)
-            return now, f"{REFUSED}{error}"
+            return Outcome.refusal(now, error)
     if recorder is not None and rig is not now:
         recorder.describe(effective_toml(rig), health.realtime.as_metadata())
-    return rig, done
+    return read
 
 
 def _shown(value: Any) -> str:
