@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 
 from vsensor.errors import InputError
-from vsensor.tables.source import DAMAGED, check_columns
+from vsensor.tables.source import DAMAGED, Source, check_columns
 
 _ROWS = 100_000
 _DAMAGED = (*DAMAGED, ValueError, EOFError, zipfile.BadZipFile, NotImplementedError)
@@ -18,7 +18,7 @@ _DAMAGED = (*DAMAGED, ValueError, EOFError, zipfile.BadZipFile, NotImplementedEr
 _ENDING = ".npy"
 
 
-class Npz:
+class Npz(Source):
     """Columns of equal length, read side by side; they may be compressed."""
 
     def __init__(self, path: Path) -> None:
@@ -31,10 +31,6 @@ class Npz:
                 return [name.removesuffix(_ENDING) for name in archive.namelist()]
         except _DAMAGED as error:
             raise self._none(error) from error
-
-    def units(self) -> Mapping[str, str]:
-        """None is told."""
-        return {}
 
     def batches(self, names: Mapping[str, str]) -> Iterator[pa.RecordBatch]:
         """Yield these columns, a batch of rows at a time."""
@@ -49,10 +45,6 @@ class Npz:
                     yield pa.RecordBatch.from_arrays([column.next() for column in columns], list(names))
         except _DAMAGED as error:
             raise self._none(error) from error
-
-    def place(self, row: int) -> str:
-        """The number of a row."""
-        return f"row {row + 1}"
 
     def _none(self, error: Exception) -> InputError:
         return InputError(f"{self.path}: is no NumPy table (npz): {error}")

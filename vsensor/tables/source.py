@@ -36,10 +36,12 @@ class Source(Protocol):
         """Yield these columns, each given with the option that names it, a batch of rows at a time."""
 
     def units(self) -> Mapping[str, str]:
-        """The unit of each column whose unit the file tells."""
+        """The unit of each column whose unit the file tells; of most kinds none does."""
+        return {}
 
     def place(self, row: int) -> str:
         """Where a row (from 0) stands, as its reader would look for it."""
+        return f"row {row + 1}"
 
 
 def check_columns(path: Path, names: Mapping[str, str], present: Sequence[str], hint: str = "") -> None:

@@ -17,7 +17,7 @@ _ARROW_FILE = b"ARROW1"
 """What a file begins with, and a stream does not."""
 
 
-class Parquet:
+class Parquet(Source):
     """Columns of any type of numbers, text or time."""
 
     def __init__(self, path: Path) -> None:
@@ -33,14 +33,6 @@ class Parquet:
         check_columns(self.path, names, self.columns())
         with self._opened() as file:
             yield from file.iter_batches(columns=list(names))
-
-    def units(self) -> Mapping[str, str]:
-        """None is told."""
-        return {}
-
-    def place(self, row: int) -> str:
-        """The number of a row."""
-        return f"row {row + 1}"
 
     @contextmanager
     def _opened(self) -> Iterator[Any]:
