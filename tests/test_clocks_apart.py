@@ -39,7 +39,8 @@ def test_a_silent_channel_a_backlog_and_a_moment_are_no_clocks_apart() -> None:
     backlog = [(20.0 + k, 5.0 * k) for k in range(6)]
     moment = [(k, k + 0.2) for k in range(20)]
     hiccups = [(k, k + (0.6 if k % 2 else 0.0)) for k in range(20)]
-    for times_s in (silent, never, backlog, moment, hiccups):
+    shortly = [(k, k + (5.0 if 5 <= k < 8 else 0.0)) for k in range(20)]
+    for times_s in (silent, never, backlog, moment, hiccups, shortly):
         assert not any(seen([(t, s) for t, s in times_s]))
 
 
